@@ -1,0 +1,8 @@
+#pragma once
+
+namespace hydrotin {
+
+/// The program's version, written into every file it makes.
+[[nodiscard]] const char* version();
+
+}  // namespace hydrotin

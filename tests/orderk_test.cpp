@@ -37,7 +37,7 @@ Analysis analyse(const oracle::Points& points, int k) {
   const VertexLinks links = vertex_links(tri);
   const UsefulEdges edges = useful_edges(tri, links, k);
   const OrderKTriangles triangles = order_k_triangles(tri, links, edges, k);
-  const auto crossed = crossed_halfedges(tri, edges);
+  const auto crossed = find_crossings(tri, edges).crossed;
   const Subdivision subdivision = subdivide(tri, crossed);
   Analysis out;
   for (HalfedgeId h{0}; h.value < tri.origin.size(); ++h.value) {

@@ -7,8 +7,10 @@
 
 namespace hydrotin {
 
-std::vector<std::uint8_t> crossed_halfedges(const TriangulationView& tri, const UsefulEdges& edges) {
-  std::vector<std::uint8_t> crossed(tri.origin.size());
+Crossings find_crossings(const TriangulationView& tri, const UsefulEdges& edges) {
+  Crossings out;
+  out.crossed.resize(tri.origin.size());
+  out.exit.resize(edges.size());
   for (std::uint32_t e = 0; e < edges.size(); ++e) {
     const VertexId b = edges.b[e];
     const LatticePoint at_a = tri.position[edges.a[e]], at_b = tri.position[b];
@@ -16,16 +18,19 @@ std::vector<std::uint8_t> crossed_halfedges(const TriangulationView& tri, const 
     for (;;) {
       const HalfedgeId twin = tri.twin[h];
       assert(!twin.is_none() && "a useful edge never leaves the hull");
-      crossed[h.value] = crossed[twin.value] = 1;
+      out.crossed[h.value] = out.crossed[twin.value] = 1;
       const VertexId apex = tri.apex(twin);
-      if (apex == b) break;
+      if (apex == b) {
+        out.exit[e] = twin;
+        break;
+      }
       // An admissible edge has no vertex on it, so the apex lies strictly to one side.
       const bool apex_is_left = orientation(at_a, at_b, tri.position[apex]) > 0;
       const bool origin_is_left = orientation(at_a, at_b, tri.position[tri.origin[twin]]) > 0;
       h = apex_is_left == origin_is_left ? next(twin) : previous(twin);
     }
   }
-  return crossed;
+  return out;
 }
 
 Subdivision subdivide(const TriangulationView& tri, std::span<const std::uint8_t> crossed) {

@@ -22,10 +22,14 @@
 
 namespace hydrotin {
 
-/// Marks the half-edges that a useful edge crosses: [3T], 1 = crossed, 0 = fixed.
-/// The walk along each edge starts at its entry. O(T + crossings).
-[[nodiscard]] std::vector<std::uint8_t> crossed_halfedges(const TriangulationView& triangulation,
-                                                          const UsefulEdges& edges);
+/// What useful edges cross.
+struct Crossings {
+  std::vector<std::uint8_t> crossed;  ///< [3T] 1: a useful edge crosses the half-edge; 0: fixed
+  std::vector<HalfedgeId> exit;       ///< [E] the half-edge opposite b that the edge crosses last
+};
+
+/// Walks along each edge from its entry. O(T + crossings).
+[[nodiscard]] Crossings find_crossings(const TriangulationView& triangulation, const UsefulEdges& edges);
 
 /// Polygons as lists of Delaunay triangles (CSR), numbered by their smallest triangle, triangles ascending.
 struct Subdivision {

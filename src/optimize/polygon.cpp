@@ -66,7 +66,7 @@ struct PolygonSolver::Impl {
     for (const auto& t : triangles)
       for (std::size_t i = 0; i < 3; ++i) {
         const std::uint32_t a = t[i], b = t[(i + 1) % 3];
-        const DirectedEdge& edge = graph.edge(graph.find(b, a));
+        const PolygonEdge& edge = graph.edge(graph.find(b, a));
         if (edge.is_boundary) continue;
         score.foreign += !edge.is_delaunay;
       }

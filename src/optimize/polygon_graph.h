@@ -22,7 +22,7 @@ struct Option {
   std::uint32_t next;         ///< next option of the same edge, or kNoEdge
 };
 
-struct DirectedEdge {
+struct PolygonEdge {
   std::uint32_t origin, target;
   std::uint32_t first_option;  ///< kNoEdge: none
   bool is_delaunay;
@@ -35,7 +35,7 @@ class PolygonGraph {
   void build(const PolygonProblem& problem);
 
   [[nodiscard]] std::uint32_t num_edges() const { return static_cast<std::uint32_t>(edges_.size()); }
-  [[nodiscard]] const DirectedEdge& edge(std::uint32_t e) const { return edges_[e]; }
+  [[nodiscard]] const PolygonEdge& edge(std::uint32_t e) const { return edges_[e]; }
   [[nodiscard]] const Option& option(std::uint32_t o) const { return options_[o]; }
   /// The smallest side of the polygon by (origin, target) in (x, y), with the polygon on its left only.
   [[nodiscard]] std::uint32_t root() const { return root_; }
@@ -52,7 +52,7 @@ class PolygonGraph {
   void add_triangle(std::uint32_t t, bool delaunay);
 
   const PolygonProblem* problem_ = nullptr;
-  std::vector<DirectedEdge> edges_;
+  std::vector<PolygonEdge> edges_;
   std::vector<Option> options_;
   std::vector<std::uint32_t> slot_;  // open addressing: directed edge, or kNoEdge
   std::uint32_t root_ = kNoEdge;

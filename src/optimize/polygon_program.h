@@ -52,7 +52,7 @@ struct MinWeightRule {
     return cell;
   }
   [[nodiscard]] Value side(std::uint32_t e, const Cell& cell) const {
-    const DirectedEdge& edge = graph.edge(e);
+    const PolygonEdge& edge = graph.edge(e);
     if (edge.is_boundary || !possible(cell[0].value)) return cell[0].value;
     const double weight = length(problem.position[edge.origin], problem.position[edge.target]);
     if (cell[0].option == kNoEdge)  // a closed edge is met from both sides
@@ -100,8 +100,8 @@ struct LocalMinimaRule {
   }
   void improve(Cell& cell, std::uint32_t o, const Cell& left, const Cell& right) const {
     const Option& option = graph.option(o);
-    const DirectedEdge& el = graph.edge(option.left_child);   // i -> q
-    const DirectedEdge& er = graph.edge(option.right_child);  // q -> j
+    const PolygonEdge& el = graph.edge(option.left_child);   // i -> q
+    const PolygonEdge& er = graph.edge(option.right_child);  // q -> j
     const std::uint32_t i = el.origin, q = option.apex, j = er.target;
     const bool inner_l = !el.is_boundary, inner_r = !er.is_boundary;
     const Value price = -Value{inner_l && !el.is_delaunay} - Value{inner_r && !er.is_delaunay};
@@ -130,7 +130,7 @@ struct LocalMinimaRule {
       entry = {value, o, child_state};
   }
   [[nodiscard]] Value with_ends(const Cell& cell, int state) const {
-    const DirectedEdge& root = graph.edge(graph.root());
+    const PolygonEdge& root = graph.edge(graph.root());
     return cell[static_cast<std::size_t>(state)].value + (state & 1 ? kServed * problem.wants_lower[root.origin] : 0) +
            (state & 2 ? kServed * problem.wants_lower[root.target] : 0);
   }

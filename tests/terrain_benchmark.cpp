@@ -118,6 +118,21 @@ void BM_reduce_to_rim(benchmark::State& state) {
   set_vertices(state, s);
 }
 
+// A tile inside the data from heights to final levels: reduce, keep the catchments, drain alone, finish.
+void BM_tiled_lift(benchmark::State& state) {
+  const Scene& s = scene(state.range(0), state.range(1));
+  std::vector<std::uint64_t> id(s.grid.num_vertices());
+  std::iota(id.begin(), id.end(), std::uint64_t{7} << 32);
+  std::vector<std::uint8_t> outlet(id.size(), 0);
+  outlet[lowest_vertex(s.grid.height, s.grid.position)] = 1;
+  for (auto _ : state) {
+    Catchments catchments;
+    const SpillTree tree = reduce_to_rim(s.graph, s.grid.height, id, s.hull, outlet, &catchments);
+    benchmark::DoNotOptimize(lift_catchments(catchments, drain({&tree, 1}).of(tree.rim)));
+  }
+  set_vertices(state, s);
+}
+
 // All triangles of the grid into cells of `cell` lattice units (points are 100 apart); items = triangles.
 void BM_rasterize(benchmark::State& state) {
   const Scene& s = scene(state.range(0), 200);
@@ -169,6 +184,7 @@ BENCHMARK(BM_lift_lowest)->Apply(sizes);
 BENCHMARK(BM_count_pits)->Apply(sizes);
 BENCHMARK(BM_reduce_to_rim)->Apply(sizes);
 BENCHMARK(BM_rasterize)->ArgsProduct({{1000}, {1000, 200, 100, 50, 10}})->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_tiled_lift)->Apply(sizes);
 BENCHMARK(BM_drain)->Arg(5)->Arg(50)->Unit(benchmark::kMillisecond);
 
 }  // namespace

@@ -173,7 +173,7 @@ void BM_drain(benchmark::State& state) {
 
 void sizes(benchmark::internal::Benchmark* b) {
   for (const int noise : {0, 200})
-    for (const int side : {300, 1000}) b->Args({side, noise});
+    for (const int side : {300, 1000, 3162}) b->Args({side, noise});
   b->Unit(benchmark::kMillisecond);
 }
 

@@ -66,9 +66,9 @@ struct Corner {
 };
 
 struct Canvas {
-  const Lattice& lattice;
-  const Axis& columns;
-  const Axis& rows;  // from below
+  Lattice lattice;
+  Axis columns;
+  Axis rows;  // from below
   std::span<float> value;
 };
 
@@ -82,7 +82,7 @@ template <class Int>
 class Painter {
  public:
   /// @param v  sorted by (x, y), so that every caller computes the same value in the same way.
-  Painter(const std::array<Corner, 3>& v, const Canvas& canvas) : v_(v), canvas_(canvas) {}
+  Painter(const std::array<Corner, 3>& v, const Canvas& canvas) : v_(v), canvas_(&canvas) {}
 
   std::uint64_t paint(const Block& block) const {
     const Int x1 = local_x(1), y1 = local_y(1), x2 = local_x(2), y2 = local_y(2);
@@ -96,11 +96,11 @@ class Painter {
     const auto whole = static_cast<double>(is_ccw ? area : -area);
     std::uint64_t num_written = 0;
     for (std::int32_t row = block.low; row < block.high; ++row) {
-      const Int y = canvas_.rows[row] - origin_y();
+      const Int y = canvas_->rows[row] - origin_y();
       const auto [first, last] = span_of_row(sides, y, block);
       float* const line = line_of(row);
       for (std::int32_t column = first; column < last; ++column) {
-        const Int x = canvas_.columns[column] - origin_x();
+        const Int x = canvas_->columns[column] - origin_x();
         line[column] = value(sides[0].area(x, y), sides[1].area(x, y), whole);
       }
       num_written += static_cast<std::uint64_t>(std::max(0, last - first));
@@ -115,8 +115,8 @@ class Painter {
   [[nodiscard]] Int local_y(std::size_t i) const { return v_[i].position.y * kUnit - origin_y(); }
 
   [[nodiscard]] float* line_of(std::int32_t row) const {
-    const auto from_top = static_cast<std::size_t>(canvas_.rows.size() - 1 - row);
-    return canvas_.value.data() + from_top * static_cast<std::size_t>(canvas_.columns.size());
+    const auto from_top = static_cast<std::size_t>(canvas_->rows.size() - 1 - row);
+    return canvas_->value.data() + from_top * static_cast<std::size_t>(canvas_->columns.size());
   }
 
   /// The columns of a row inside all three sides. Each side is passed once from left to right, into the triangle if it
@@ -131,14 +131,15 @@ class Painter {
       }
       const bool is_entry = side.dy < 0;
       const auto is_past = [&](std::int32_t column) {
-        return side.contains(canvas_.columns[column] - origin_x(), y) == is_entry;
+        return side.contains(canvas_->columns[column] - origin_x(), y) == is_entry;
       };
       const double crossing =
           static_cast<double>(side.x) +
           static_cast<double>(side.dx) * (static_cast<double>(y - side.y) / static_cast<double>(side.dy));
       std::int32_t column = block.left;
       if (block.right - block.left > 4)
-        column = std::clamp(canvas_.columns.guess(crossing + static_cast<double>(origin_x())), block.left, block.right);
+        column =
+            std::clamp(canvas_->columns.guess(crossing + static_cast<double>(origin_x())), block.left, block.right);
       while (column < block.right && !is_past(column)) ++column;
       while (column > block.left && is_past(column - 1)) --column;
       if (is_entry)
@@ -153,12 +154,12 @@ class Painter {
     const double rise_1 = static_cast<double>(std::int64_t{v_[1].height} - v_[0].height);
     const double rise_2 = static_cast<double>(std::int64_t{v_[2].height} - v_[0].height);
     const double rise = (static_cast<double>(weight_1) * rise_1 + static_cast<double>(weight_2) * rise_2) / whole;
-    const double z = static_cast<double>(canvas_.lattice.base_z + v_[0].height) + rise;
-    return static_cast<float>(z * canvas_.lattice.scale_z + canvas_.lattice.offset_z);
+    const double z = static_cast<double>(canvas_->lattice.base_z + v_[0].height) + rise;
+    return static_cast<float>(z * canvas_->lattice.scale_z + canvas_->lattice.offset_z);
   }
 
-  const std::array<Corner, 3>& v_;
-  const Canvas& canvas_;
+  std::array<Corner, 3> v_;
+  const Canvas* canvas_;
 };
 
 UInt128 squared_distance(LatticePoint a, LatticePoint b) {
@@ -202,8 +203,7 @@ std::uint64_t rasterize(std::span<const LatticePoint> position, std::span<const 
   for (std::int64_t column = window.column_begin; column < window.column_end; ++column)
     x.push_back(center_x(frame, lattice, column));
   for (std::int64_t row = window.row_end; row-- > window.row_begin;) y.push_back(center_y(frame, lattice, row));
-  const Axis columns(std::move(x)), rows(std::move(y));
-  const Canvas canvas{lattice, columns, rows, value};
+  const Canvas canvas{lattice, Axis(std::move(x)), Axis(std::move(y)), value};
 
   // Centres below each vertex in x and in y: a triangle can contain a centre only if these differ among its vertices in
   // both. Shifted centres are never level with a vertex, so "below" is strict.
@@ -212,7 +212,7 @@ std::uint64_t rasterize(std::span<const LatticePoint> position, std::span<const 
   };
   std::vector<Below> below(position.size());
   for (std::size_t v = 0; v < position.size(); ++v)
-    below[v] = {columns.count_below(position[v].x * kUnit), rows.count_below(position[v].y * kUnit)};
+    below[v] = {canvas.columns.count_below(position[v].x * kUnit), canvas.rows.count_below(position[v].y * kUnit)};
 
   std::uint64_t num_written = 0;
   for (std::size_t t = 0; t + 3 <= triangle_vertex.size(); t += 3) {

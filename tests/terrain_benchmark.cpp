@@ -2,11 +2,15 @@
 
 #include <cstdint>
 #include <functional>
+#include <numeric>
 #include <queue>
 #include <vector>
 
 #include "grid_terrain.h"
 #include "hydrotin/lifting.h"
+#include "hydrotin/pits.h"
+#include "hydrotin/rasterize.h"
+#include "hydrotin/spill_tree.h"
 #include "hydrotin/vertex_graph.h"
 
 // Speed of the terrain room, one thread, items = vertices or triangles. Arguments: side of the square grid (n =
@@ -98,9 +102,78 @@ void BM_vertex_graph(benchmark::State& state) {
   set_vertices(state, s);
 }
 
+void BM_count_pits(benchmark::State& state) {
+  const Scene& s = scene(state.range(0), state.range(1));
+  for (auto _ : state) benchmark::DoNotOptimize(count_pits(s.graph, s.grid.height, s.hull));
+  set_vertices(state, s);
+}
+
+// A tile inside the data: its outside is the rim, no outlet.
+void BM_reduce_to_rim(benchmark::State& state) {
+  const Scene& s = scene(state.range(0), state.range(1));
+  std::vector<std::uint64_t> id(s.grid.num_vertices());
+  std::iota(id.begin(), id.end(), std::uint64_t{7} << 32);
+  const std::vector<std::uint8_t> none(id.size(), 0);
+  for (auto _ : state) benchmark::DoNotOptimize(reduce_to_rim(s.graph, s.grid.height, id, s.hull, none));
+  set_vertices(state, s);
+}
+
+// A tile inside the data from heights to final levels: reduce, keep the catchments, drain alone, finish.
+void BM_tiled_lift(benchmark::State& state) {
+  const Scene& s = scene(state.range(0), state.range(1));
+  std::vector<std::uint64_t> id(s.grid.num_vertices());
+  std::iota(id.begin(), id.end(), std::uint64_t{7} << 32);
+  std::vector<std::uint8_t> outlet(id.size(), 0);
+  outlet[lowest_vertex(s.grid.height, s.grid.position)] = 1;
+  for (auto _ : state) {
+    Catchments catchments;
+    const SpillTree tree = reduce_to_rim(s.graph, s.grid.height, id, s.hull, outlet, &catchments);
+    benchmark::DoNotOptimize(lift_catchments(catchments, drain({&tree, 1}).of(tree.rim)));
+  }
+  set_vertices(state, s);
+}
+
+// All triangles of the grid into cells of `cell` lattice units (points are 100 apart); items = triangles.
+void BM_rasterize(benchmark::State& state) {
+  const Scene& s = scene(state.range(0), 200);
+  const Lattice lattice{0.01, 0.01, 0.0, 0.0, 0.0, 0, 0, 0};
+  LatticeBox box;
+  for (const LatticePoint p : s.grid.position) box.extend(p);
+  const RasterFrame frame = frame_around(lattice, box, static_cast<double>(state.range(1)) * 0.01);
+  const CellRange all{0, frame.columns, 0, frame.rows};
+  std::vector<float> value(static_cast<std::size_t>(frame.columns * frame.rows));
+  std::uint64_t cells = 0;
+  for (auto _ : state)
+    cells += rasterize(s.grid.position, s.grid.height, s.grid.triangle, lattice, frame, all, kNoEdgeLimit, value);
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations() * s.grid.num_triangles()));
+  state.counters["cells_per_second"] = benchmark::Counter(static_cast<double>(cells), benchmark::Counter::kIsRate);
+}
+
+// Trees of square tiles with 4,000 rim vertices each, random edges; items = edges.
+void BM_drain(benchmark::State& state) {
+  const auto side = static_cast<std::uint32_t>(state.range(0));
+  Random random(1);
+  std::vector<SpillTree> trees;
+  std::int64_t num_edges = 0;
+  for (std::uint32_t y = 0; y < side; ++y)
+    for (std::uint32_t x = 0; x < side; ++x) {
+      SpillTree& tree = trees.emplace_back();
+      for (const std::uint32_t seam : {2 * (y * (side + 1) + x), 2 * (y * (side + 1) + x) + 1,
+                                       2 * (y * (side + 1) + x + 1), 2 * ((y + 1) * (side + 1) + x) + 1})
+        for (std::uint32_t i = 0; i < 1000; ++i) tree.rim.push_back((std::uint64_t{seam} << 32) | i);
+      std::sort(tree.rim.begin(), tree.rim.end());
+      const auto r = static_cast<std::uint32_t>(tree.rim.size());
+      for (std::uint32_t i = 1; i < r; ++i)
+        tree.edge.push_back({i, random.below(1000) == 0 ? kOutlet : random.below(i), random.between(0, 100000)});
+      num_edges += r - 1;
+    }
+  for (auto _ : state) benchmark::DoNotOptimize(drain(trees));
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * num_edges);
+}
+
 void sizes(benchmark::internal::Benchmark* b) {
   for (const int noise : {0, 200})
-    for (const int side : {300, 1000}) b->Args({side, noise});
+    for (const int side : {300, 1000, 3162}) b->Args({side, noise});
   b->Unit(benchmark::kMillisecond);
 }
 
@@ -108,6 +181,11 @@ BENCHMARK(BM_vertex_graph)->Apply(sizes);
 BENCHMARK(BM_plain_flood)->Apply(sizes);
 BENCHMARK(BM_lift)->Apply(sizes);
 BENCHMARK(BM_lift_lowest)->Apply(sizes);
+BENCHMARK(BM_count_pits)->Apply(sizes);
+BENCHMARK(BM_reduce_to_rim)->Apply(sizes);
+BENCHMARK(BM_rasterize)->ArgsProduct({{1000}, {1000, 200, 100, 50, 10}})->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_tiled_lift)->Apply(sizes);
+BENCHMARK(BM_drain)->Arg(5)->Arg(50)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace hydrotin::testing

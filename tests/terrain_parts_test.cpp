@@ -166,8 +166,11 @@ TEST(Parts, ReduceDrainFinishEqualsLiftingTheWhole) {
     const auto part_of = random_parts(t.grid, seed, num_parts);
     const auto parts = cut(t, part_of, num_parts, seed);
     std::vector<SpillTree> trees;
+    std::vector<Catchments> catchments(parts.size());
     for (const Part& p : parts) {
-      trees.push_back(reduce_to_rim(p.graph, p.height, p.global_id, p.is_rim, p.is_outlet));
+      Catchments& kept = catchments[trees.size()];
+      trees.push_back(reduce_to_rim(p.graph, p.height, p.global_id, p.is_rim, p.is_outlet, &kept));
+      EXPECT_EQ(trees.back().edge, reduce_to_rim(p.graph, p.height, p.global_id, p.is_rim, p.is_outlet).edge);
       EXPECT_TRUE(is_valid(trees.back()));
       EXPECT_LE(trees.back().edge.size(), trees.back().rim.size());
       num_without_rim += trees.back().rim.empty();
@@ -183,6 +186,7 @@ TEST(Parts, ReduceDrainFinishEqualsLiftingTheWhole) {
       for (std::size_t v = 0; v < source.size(); ++v)
         if (part.is_rim[v]) source[v] = level_of.at(part.global_id[v]);
       const auto finished = lift_from(part.graph, part.height, part.is_outlet, source);
+      EXPECT_EQ(lift_catchments(catchments[p], levels), finished);
       for (std::size_t v = 0; v < finished.size(); ++v) {
         EXPECT_EQ(finished[v], expected_of.at(part.global_id[v]));
         num_lifted += finished[v] != part.height[v];

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -26,7 +25,7 @@ class Flood {
  public:
   /// @param level  [n] in: heights; out: levels, kNoLevel where no source leads.
   Flood(const VertexGraph& graph, std::span<std::int32_t> level)
-      : graph_(graph), level_(level), reached_(level.size() / 64 + 1, 0) {}
+      : graph_(&graph), level_(level), reached_(level.size() / 64 + 1, 0) {}
 
   void add_source(std::uint32_t v, std::int32_t level) {
     level_[v] = level;
@@ -40,7 +39,7 @@ class Flood {
     climb(reach);
     while (!rim_.empty()) {
       const auto v = static_cast<std::uint32_t>(rim_.pop());
-      if (!rim_.empty()) __builtin_prefetch(&graph_.begin[static_cast<std::uint32_t>(rim_.top())]);
+      if (!rim_.empty()) __builtin_prefetch(&graph_->begin[static_cast<std::uint32_t>(rim_.top())]);
       pool_.push_back(v);
       fill(level_[v], reach);
       climb(reach);
@@ -64,7 +63,7 @@ class Flood {
       const std::uint32_t v = climb_[next];
       const std::int32_t level = level_[v];
       bool may_overflow = false;
-      for (const std::uint32_t w : graph_.neighbors(v)) {
+      for (const std::uint32_t w : graph_->neighbors(v)) {
         if (is_reached(w)) continue;
         if (level_[w] >= level) {
           set_reached(w);
@@ -78,11 +77,20 @@ class Flood {
     }
     climb_.clear();
     for (const std::uint32_t v : candidate_) {
-      const auto around = graph_.neighbors(v);
-      if (!std::all_of(around.begin(), around.end(), [&](std::uint32_t w) { return is_reached(w); }))
+      for (const std::uint32_t w : graph_->neighbors(v)) {
+        if (is_reached(w) || !is_lowest_way_into(w, v)) continue;
         rim_.push(key(level_[v], v));
+        break;
+      }
     }
     candidate_.clear();
+  }
+
+  [[nodiscard]] bool is_lowest_way_into(std::uint32_t w, std::uint32_t v) const {
+    const std::uint64_t way = key(level_[v], v);
+    for (const std::uint32_t u : graph_->neighbors(w))
+      if (is_reached(u) && key(level_[u], u) < way) return false;
+    return true;
   }
 
   template <class Reach>
@@ -90,7 +98,7 @@ class Flood {
     while (!pool_.empty()) {
       const std::uint32_t v = pool_.back();
       pool_.pop_back();
-      for (const std::uint32_t w : graph_.neighbors(v)) {
+      for (const std::uint32_t w : graph_->neighbors(v)) {
         if (is_reached(w)) continue;
         set_reached(w);
         reach(v, w);
@@ -104,7 +112,7 @@ class Flood {
     }
   }
 
-  const VertexGraph& graph_;
+  const VertexGraph* graph_;
   std::span<std::int32_t> level_;
   std::vector<std::uint64_t> reached_;  // a bit per vertex: stays in the cache where the levels do not
   std::vector<std::uint32_t> climb_, candidate_, pool_;

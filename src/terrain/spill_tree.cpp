@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cstddef>
-#include <numeric>
+#include <utility>
 
 #include "flood.h"
 #include "hydrotin/lifting.h"
@@ -27,7 +27,7 @@ std::vector<std::uint32_t> sorted_rim(std::span<const std::uint64_t> global_id, 
 }
 
 // Terminals are numbered 0 .. R - 1 as the rim, R for the outlets, and nothing beyond.
-constexpr std::uint32_t kUnlabelled = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kUnlabelled = kOutlet;
 
 // Edges of the part between catchments of different terminals, as spill edges with terminal numbers.
 //
@@ -58,7 +58,7 @@ std::vector<SpillEdge> edges_between_catchments(const VertexGraph& graph, std::s
 
 SpillTree reduce_to_rim(const VertexGraph& graph, std::span<const std::int32_t> height,
                         std::span<const std::uint64_t> global_id, std::span<const std::uint8_t> is_rim,
-                        std::span<const std::uint8_t> is_outlet) {
+                        std::span<const std::uint8_t> is_outlet, Catchments* catchments) {
   assert(height.size() == graph.num_vertices() && is_outlet.size() == height.size() && "one entry per vertex");
   assert(global_id.size() == height.size() && is_rim.size() == height.size() && "one entry per vertex");
   SpillTree tree;
@@ -96,7 +96,27 @@ SpillTree reduce_to_rim(const VertexGraph& graph, std::span<const std::int32_t> 
     if (e.b == outlets) e.b = kOutlet;
     tree.edge.push_back(e);
   }
+  if (catchments != nullptr) {
+    for (std::uint32_t& terminal : label)
+      if (terminal == outlets) terminal = kOutlet;
+    *catchments = {std::move(level), std::move(label)};
+  }
   return tree;
+}
+
+// With m = minimax heights inside the part, d(v) = m(v, l) the level of v's catchment and l its terminal:
+// f(v) = max(d(v), f(l)). Not more: the way through l climbs to that. Not less: let t be the first terminal on v's best
+// way out, f(v) = max(m(v, t), f(t)). Then d(v) <= m(v, t), and from l through v to t, f(l) <= max(d(v), m(v, t), f(t))
+// = f(v). For the terminal of the outlets f(l) <= d(v) already.
+std::vector<std::int32_t> lift_catchments(const Catchments& catchments, std::span<const std::int32_t> rim_level) {
+  std::vector<std::int32_t> level = catchments.level;
+  for (std::size_t v = 0; v < level.size(); ++v) {
+    const std::uint32_t terminal = catchments.terminal[v];
+    if (terminal == kOutlet) continue;
+    assert(terminal < rim_level.size() && "one level per rim vertex");
+    level[v] = std::max(level[v], rim_level[terminal]);
+  }
+  return level;
 }
 
 std::vector<std::int32_t> RimLevels::of(std::span<const std::uint64_t> ids) const {

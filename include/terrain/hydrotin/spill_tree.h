@@ -21,7 +21,9 @@
 /// Properties
 ///   (1) Minimax heights between terminals in the forest are those in the part.
 ///   (2) The forest has at most R edges.
-///   (3) Levels of rim vertices from `drain` are those of `lift` on the whole terrain, for every way of cutting it.
+///   (3) Levels of rim vertices from `drain` are those of `lift` on the whole terrain, for every way of cutting it; so
+///   are
+///       the levels of all vertices from `lift_catchments` and from `lift_from`.
 /// Ties     The forest is not unique under ties and depends on the numbering of the part; the levels are and do not.
 /// Threads  Pure: safe to call concurrently, no hidden parallelism.
 
@@ -44,17 +46,25 @@ struct SpillTree {
   std::vector<SpillEdge> edge;     ///< at most R, by ascending height
 };
 
+/// Where water of each vertex of a part first reaches a terminal if all terminals are sinks. Not unique under ties.
+struct Catchments {
+  std::vector<std::int32_t>
+      level;  ///< [n] least height to climb to on the way to a terminal, kNoLevel if there is none
+  std::vector<std::uint32_t> terminal;  ///< [n] that terminal: index into SpillTree::rim, or kOutlet (also if none)
+};
+
 /// Reduces one part of a terrain to its rim.
 ///
 /// @param height     [n], each below kNoLevel.
 /// @param global_id  [n] distinct ids by which parts recognise each other's vertices.
 /// @param is_rim     [n] nonzero where another part may have the vertex as well. Too many flags cost memory only.
 /// @param is_outlet  [n] nonzero where water may leave; the same in all parts of a vertex.
+/// @param catchments if not null, receives the catchments behind the tree, for `lift_catchments`.
 /// Complexity: a flood (see `lift`) plus O(E); 8 bytes per vertex and at most 16 per edge between catchments of
 /// different terminals. Fails: never on data; std::bad_alloc. Preconditions are asserted.
 [[nodiscard]] SpillTree reduce_to_rim(const VertexGraph& graph, std::span<const std::int32_t> height,
                                       std::span<const std::uint64_t> global_id, std::span<const std::uint8_t> is_rim,
-                                      std::span<const std::uint8_t> is_outlet);
+                                      std::span<const std::uint8_t> is_outlet, Catchments* catchments = nullptr);
 
 /// Final levels of all rim vertices.
 struct RimLevels {
@@ -71,6 +81,14 @@ struct RimLevels {
 /// Complexity: O(V + E) radix sorts and unions over V rim entries and E edges of all trees; about 20 bytes per entry
 /// and 24 per edge beside the input. Fails: never on valid trees; std::bad_alloc.
 [[nodiscard]] RimLevels drain(std::span<const SpillTree> parts);
+
+/// Final levels of one part from its catchments and the final levels of its rim: max(level, rim level of the terminal).
+///
+/// @param rim_level  [R] in the order of SpillTree::rim.
+/// @return           [n] levels, as from `lift` on the whole terrain.
+/// Complexity: O(n).
+[[nodiscard]] std::vector<std::int32_t> lift_catchments(const Catchments& catchments,
+                                                        std::span<const std::int32_t> rim_level);
 
 /// Whether a tree keeps its own promises: ids ascending, ends within range, at most one edge per rim vertex.
 [[nodiscard]] bool is_valid(const SpillTree& tree);

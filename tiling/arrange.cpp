@@ -1,0 +1,100 @@
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "block_index.h"
+#include "hydrotin/hilbert.h"
+#include "hydrotin/lifting.h"
+#include "phases.h"
+#include "store.h"
+
+namespace hydrotin {
+namespace {
+
+struct RawPoints {
+  std::vector<std::int32_t> x, y, z;
+};
+
+RawPoints gather(const RunContext& context, std::uint32_t tile) {
+  RawPoints out;
+  for (std::uint32_t f = 0; f < context.plan.files.size(); ++f) {
+    const store::Reader in(context.layout.unit(Phase::ingest, f));
+    const auto run_tile = in.read<std::uint32_t>("run_tile");
+    const auto run_first = in.read<std::uint64_t>("run_first");
+    const auto run_count = in.read<std::uint32_t>("run_count");
+    for (std::size_t r = 0; r < run_tile.size(); ++r) {
+      if (run_tile[r] != tile) continue;
+      const std::size_t at = out.x.size(), count = run_count[r];
+      for (const auto& [name, column] : {std::pair{"x", &out.x}, {"y", &out.y}, {"z", &out.z}}) {
+        column->resize(at + count);
+        in.read_range<std::int32_t>(name, run_first[r], std::span(*column).subspan(at));
+      }
+    }
+  }
+  return out;
+}
+
+struct Keyed {
+  std::uint64_t key;
+  std::uint32_t index;
+};
+
+// Least significant digit first, 11 bits at a time, skipping digits that all keys share.
+void sort_by_key(std::vector<Keyed>& keys) {
+  std::vector<Keyed> other(keys.size());
+  for (int shift = 0; shift < 64; shift += 11) {
+    std::array<std::uint32_t, 2049> begin{};
+    const auto digit = [&](const Keyed& k) { return k.key >> shift & 2047U; };
+    for (const Keyed& k : keys) ++begin[digit(k) + 1];
+    if (std::find(begin.begin(), begin.end(), keys.size()) != begin.end()) continue;
+    for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
+    for (const Keyed& k : keys) other[begin[digit(k)]++] = k;
+    keys.swap(other);
+  }
+}
+
+struct CanonicalPoints {
+  std::vector<LatticePoint> position;
+  std::vector<std::int32_t> height;
+};
+
+// Curve order, one point per place: the lowest.
+CanonicalPoints canonical(const RawPoints& raw) {
+  std::vector<Keyed> keys(raw.x.size());
+  for (std::uint32_t i = 0; i < keys.size(); ++i) keys[i] = {hilbert_key({raw.x[i], raw.y[i]}), i};
+  if (!keys.empty()) sort_by_key(keys);
+  CanonicalPoints out;
+  out.position.reserve(keys.size());
+  out.height.reserve(keys.size());
+  for (const auto& [key, i] : keys) {
+    const LatticePoint p{raw.x[i], raw.y[i]};
+    if (!out.position.empty() && out.position.back() == p) {
+      out.height.back() = std::min(out.height.back(), raw.z[i]);
+    } else {
+      out.position.push_back(p);
+      out.height.push_back(raw.z[i]);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+void arrange_tile(const RunContext& context, std::uint32_t tile) {
+  const RawPoints raw = gather(context, tile);
+  if (raw.x.size() >= std::numeric_limits<std::uint32_t>::max() / 8)
+    throw Error(ErrorKind::resource, "tile " + std::to_string(tile) + " holds " + std::to_string(raw.x.size()) +
+                                         " points, more than a tile can; lower tiles.target_points");
+  const CanonicalPoints points = canonical(raw);
+  store::Writer out(context.layout.unit(Phase::arrange, tile));
+  out.set("recipe", context.recipe(Phase::arrange));
+  out.set("points", static_cast<std::int64_t>(raw.x.size()));
+  write_points(out, points.position, points.height);
+  const std::vector<std::uint32_t> hull = convex_hull(points.position);
+  out.append("hull", hull, "indices of the tile's convex hull");
+  if (!points.position.empty())
+    out.set("lowest", static_cast<std::int64_t>(lowest_vertex(points.height, points.position)));
+  out.commit();
+}
+
+}  // namespace hydrotin

@@ -1,0 +1,92 @@
+#include "outline.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "block_index.h"
+#include "phases.h"
+#include "store.h"
+
+namespace hydrotin {
+namespace {
+
+bool lower(const HullVertex& a, const HullVertex& b) {
+  return std::tie(a.height, a.position) < std::tie(b.height, b.position);
+}
+
+HullVertex read_vertex(const store::Reader& in, std::uint32_t tile, std::uint32_t index) {
+  const TilePoints point = read_points(in, index, 1);
+  return {PointId(tile, index), point.position[0], point.height[0]};
+}
+
+void add_tile(const store::Reader& in, std::uint32_t tile, Outline& out, std::vector<HullVertex>& candidates) {
+  const auto boxes = read_block_boxes(in);
+  LatticeBox box;
+  for (const LatticeBox& b : boxes) box.extend(b);
+  out.box.push_back(box);
+  out.count.push_back(in.size("x"));
+  out.points += static_cast<std::uint64_t>(in.integer("points"));
+  out.vertices += out.count.back();
+  if (out.count.back() == 0) return;
+  for (const std::uint32_t i : in.read<std::uint32_t>("hull")) candidates.push_back(read_vertex(in, tile, i));
+  const HullVertex low = read_vertex(in, tile, static_cast<std::uint32_t>(in.integer("lowest")));
+  if (out.lowest.point == PointId() || lower(low, out.lowest)) out.lowest = low;
+}
+
+}  // namespace
+
+void make_outline(const RunContext& context) {
+  Outline outline;
+  std::vector<HullVertex> candidates;
+  for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t)
+    add_tile(store::Reader(context.layout.unit(Phase::arrange, t)), t, outline, candidates);
+  outline.duplicates = outline.points - outline.vertices;
+  if (outline.vertices == 0)
+    throw Error(ErrorKind::input,
+                context.plan.files.front().path +
+                    ": no input has a point of the classes wanted; check input.classes against `hydrotin info`");
+  std::vector<LatticePoint> position;
+  for (const HullVertex& v : candidates) position.push_back(v.position);
+  for (const std::uint32_t i : convex_hull(position)) outline.hull.push_back(candidates[i]);
+  if (outline.hull.size() < 3)
+    throw Error(ErrorKind::input,
+                context.plan.files.front().path + ": all " + std::to_string(outline.vertices) +
+                    " points lie on one line, so there is no triangle; give points that span an area");
+
+  store::Writer out(context.layout.unit(Phase::outline, 0));
+  out.set("recipe", context.recipe(Phase::outline));
+  out.append("tile_count", outline.count, "vertices");
+  out.append("tile_box", flatten(outline.box), "tight boxes: min x, min y, max x, max y");
+  std::vector<std::uint64_t> point;
+  std::vector<std::int32_t> xyz;
+  outline.hull.push_back(outline.lowest);
+  for (const HullVertex& v : outline.hull) {
+    point.push_back(v.point.value);
+    xyz.insert(xyz.end(), {v.position.x, v.position.y, v.height});
+  }
+  out.append("hull_point", point, "tile << 32 | index; the last one is the lowest vertex");
+  out.append("hull_xyz", xyz);
+  out.set("points", static_cast<std::int64_t>(outline.points));
+  out.commit();
+}
+
+Outline load_outline(const std::string& path) {
+  const store::Reader in(path);
+  Outline out;
+  out.count = in.read<std::uint64_t>("tile_count");
+  out.box = unflatten(in.read<std::int32_t>("tile_box"));
+  const auto point = in.read<std::uint64_t>("hull_point");
+  const auto xyz = in.read<std::int32_t>("hull_xyz");
+  if (out.box.size() != out.count.size() || point.size() < 4 || xyz.size() != 3 * point.size())
+    throw Error(ErrorKind::storage, path + ": the outline contradicts itself; delete it and run again");
+  for (std::size_t i = 0; i < point.size(); ++i)
+    out.hull.push_back({PointId(point[i]), {xyz[3 * i], xyz[3 * i + 1]}, xyz[3 * i + 2]});
+  out.lowest = out.hull.back();
+  out.hull.pop_back();
+  out.points = static_cast<std::uint64_t>(in.integer("points"));
+  for (const std::uint64_t c : out.count) out.vertices += c;
+  out.duplicates = out.points - out.vertices;
+  return out;
+}
+
+}  // namespace hydrotin

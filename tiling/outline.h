@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hydrotin/id.h"
+#include "hydrotin/lattice.h"
+
+/// What all tiles know of each other: boxes, counts, and the convex hull of everything. The vertices of the hull are
+/// loaded by every tile: so each knows where the data truly ends.
+
+namespace hydrotin {
+
+struct HullVertex {
+  PointId point;
+  LatticePoint position;
+  std::int32_t height = 0;
+};
+
+struct Outline {
+  std::vector<std::uint64_t> count;  ///< [tiles] vertices
+  std::vector<LatticeBox> box;       ///< [tiles] tight box of the vertices; empty where there are none
+  std::vector<HullVertex> hull;      ///< strictly convex, counter-clockwise, from the smallest by (x, y)
+  HullVertex lowest;                 ///< by (z, x, y)
+  std::uint64_t points = 0;          ///< kept by the filters
+  std::uint64_t vertices = 0;
+  std::uint64_t duplicates = 0;
+
+  [[nodiscard]] LatticeBox bounds() const {
+    LatticeBox all;
+    for (const LatticeBox& b : box) all.extend(b);
+    return all;
+  }
+};
+
+[[nodiscard]] Outline load_outline(const std::string& path);
+
+/// Indices of the strict convex hull, counter-clockwise from the smallest by (x, y); fewer than three if collinear.
+/// O(n log n), but most points are discarded in O(n) first. Positions are distinct.
+[[nodiscard]] std::vector<std::uint32_t> convex_hull(const std::vector<LatticePoint>& position);
+
+}  // namespace hydrotin

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "hydrotin/options.h"
+#include "hydrotin/pipeline.h"
+#include "layout.h"
+#include "outline.h"
+#include "plan.h"
+#include "recipe.h"
+
+/// The phases: each function makes the output of one work unit from the outputs named in DESIGN's table, and nothing
+/// else.
+///
+/// Threads  Units of one phase may run concurrently, in this process or elsewhere; a unit that runs twice at the same
+///          time writes equal bytes.
+/// Errors   Error; the unit's output is then absent.
+
+namespace hydrotin {
+
+/// What every unit knows.
+struct RunContext {
+  PipelineOptions options;
+  Layout layout;
+  Plan plan;
+  Outline outline;  ///< from phase `outline` on
+
+  [[nodiscard]] std::string recipe(Phase phase) const { return hydrotin::recipe(plan.recipe, options, phase); }
+};
+
+void ingest_file(const RunContext& context, std::uint32_t file);
+void arrange_tile(const RunContext& context, std::uint32_t tile);
+void make_outline(const RunContext& context);
+void triangulate_tile(const RunContext& context, std::uint32_t tile);
+void join_pieces(const RunContext& context);
+void solve_seams(const RunContext& context, std::uint32_t tile);
+void reduce_tile(const RunContext& context, std::uint32_t tile);
+void drain_tiles(const RunContext& context);
+void finish_tile(const RunContext& context, std::uint32_t tile);
+void rasterize_tile(const RunContext& context, std::uint32_t tile);
+void write_report(const RunContext& context);
+
+}  // namespace hydrotin

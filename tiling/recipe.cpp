@@ -1,0 +1,43 @@
+#include "recipe.h"
+
+#include <bit>
+#include <cstdio>
+
+namespace hydrotin {
+
+RecipeHash& RecipeHash::add(const std::string& text) {
+  const auto mix = [&](unsigned char byte) { state_ = (state_ ^ byte) * 0x100000001b3ULL; };
+  for (const char c : text) mix(static_cast<unsigned char>(c));
+  mix(0xff);  // keeps "ab","c" apart from "a","bc"
+  return *this;
+}
+
+RecipeHash& RecipeHash::add(double value) {
+  return add(static_cast<std::int64_t>(std::bit_cast<std::uint64_t>(value)));
+}
+
+std::string RecipeHash::hex() const {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(state_));
+  return text;
+}
+
+std::string recipe(const std::string& plan_recipe, const PipelineOptions& options, Phase phase) {
+  constexpr std::int64_t kFormat = 1;
+  RecipeHash hash;
+  hash.add(kFormat).add(plan_recipe).add(std::string(name(phase)));
+  if (phase >= Phase::triangulate)
+    hash.add(std::int64_t{options.triangulation.order}).add(std::string(name(options.triangulation.objective)));
+  if (phase >= Phase::spill)
+    hash.add(static_cast<std::int64_t>(options.pits.method)).add(static_cast<std::int64_t>(options.pits.outlets));
+  if (phase >= Phase::finish) hash.add(std::int64_t{options.output.mesh_ply});
+  if (phase >= Phase::raster)
+    hash.add(std::int64_t{options.output.dem.enabled})
+        .add(options.output.dem.cell_m)
+        .add(options.output.dem.max_edge_m)
+        .add(std::int64_t{options.output.dem.cog})
+        .add(std::int64_t{options.output.dem.hillshade});
+  return hash.hex();
+}
+
+}  // namespace hydrotin

@@ -258,6 +258,33 @@ void PencilGrowth::grow(VertexId u, UsefulEdges& edges, std::vector<DecidingCirc
   }
 }
 
+void UsefulEdges::truncate(std::uint32_t size) {
+  a.resize(size);
+  b.resize(size);
+  useful_order.resize(size);
+  num_right.resize(size);
+  entry.resize(size);
+  content_begin.resize(size + 1);
+  content.resize(content_begin.back());
+}
+
+void locate_entries(const TriangulationView& tri, const VertexLinks& links, UsefulEdges& edges) {
+  for (std::uint32_t e = 0; e < edges.size(); ++e) {
+    const VertexId a = edges.a[e];
+    const LatticePoint at_a = tri.position[a], at_b = tri.position[edges.b[e]];
+    const std::uint32_t begin = links.begin[a.value], end = links.begin[a.value + 1];
+    for (std::uint32_t i = begin; i < end; ++i) {
+      const HalfedgeId spoke = links.spoke[i];
+      if (spoke.is_none()) continue;
+      const VertexId right = links.neighbor[i], left = links.neighbor[i + 1 == end ? begin : i + 1];
+      if (orientation(at_a, tri.position[right], at_b) <= 0 || orientation(at_a, tri.position[left], at_b) >= 0)
+        continue;
+      edges.entry[e] = next(spoke);
+      break;
+    }
+  }
+}
+
 UsefulEdges useful_edges(const TriangulationView& triangulation, const VertexLinks& links, int k) {
   UsefulEdges edges;
   if (k == 0) return edges;

@@ -44,6 +44,9 @@ struct UsefulEdges {
   [[nodiscard]] std::span<const VertexId> right(std::uint32_t e) const {
     return std::span(content).subspan(content_begin[e], num_right[e]);
   }
+  /// Forgets all edges from number `size` on.
+  void truncate(std::uint32_t size);
+
   [[nodiscard]] std::span<const VertexId> left(std::uint32_t e) const {
     const std::uint32_t begin = content_begin[e] + num_right[e];
     return std::span(content).subspan(begin, content_begin[e + 1] - begin);
@@ -74,6 +77,10 @@ class PencilGrowth {
   struct Impl;
   Impl* impl_;
 };
+
+/// Finds the entries anew after the triangulation was numbered anew; the links of all ends `a` are as they were.
+/// O(E degree).
+void locate_entries(const TriangulationView& triangulation, const VertexLinks& links, UsefulEdges& edges);
 
 /// All useful edges of order at most k, by smaller end in vertex order. Expected O(n k^2) time, O(n k^2) memory.
 [[nodiscard]] UsefulEdges useful_edges(const TriangulationView& triangulation, const VertexLinks& links, int k);

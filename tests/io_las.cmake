@@ -1,5 +1,6 @@
 hydrotin_test(las_test SOURCES las_test.cpp DEPENDS io core)
 hydrotin_test(las_damage_test SOURCES las_damage_test.cpp DEPENDS io core PRIVATE GDAL::GDAL)
+hydrotin_test(laz_codec_test SOURCES laz_codec_test.cpp DEPENDS io core PRIVATE GDAL::GDAL)
 hydrotin_test(las_writer_test SOURCES las_writer_test.cpp DEPENDS io core PRIVATE GDAL::GDAL)
 # A program of its own: continuous integration runs it once more in a build with sanitizers.
 hydrotin_test(las_robustness_test SOURCES las_robustness_test.cpp DEPENDS io core PRIVATE GDAL::GDAL)

@@ -39,7 +39,7 @@ class IdSpan {
  public:
   constexpr IdSpan() = default;
   template <class Range>
-    requires std::convertible_to<Range&&, std::span<T>>
+  requires std::convertible_to<Range&&, std::span<T>>
   constexpr IdSpan(Range&& range) : data_(std::forward<Range>(range)) {}  // NOLINT: a view is its range
   [[nodiscard]] constexpr T& operator[](I id) const { return data_[id.value]; }
   [[nodiscard]] constexpr std::size_t size() const { return data_.size(); }

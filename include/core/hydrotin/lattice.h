@@ -7,8 +7,8 @@
 
 /// The lattice: the integers on which every combinatorial decision is taken.
 ///
-/// A data set has one lattice. Files hold integers times scale plus offset; the program holds the same integers, shifted
-/// once per data set (never per tile) so that they fit 32 bits. x and y share one scale, z has its own.
+/// A data set has one lattice. Files hold integers times scale plus offset; the program holds the same integers,
+/// shifted once per data set (never per tile) so that they fit 32 bits. x and y share one scale, z has its own.
 ///
 /// Units  lattice units in integers; metres (or the unit of the CRS) in doubles.
 
@@ -45,7 +45,8 @@ struct LatticeBox {
   friend constexpr bool operator==(const LatticeBox&, const LatticeBox&) = default;
 };
 
-/// Maps lattice integers to coordinates: x = (base_x + i) * scale_xy + offset_x, exactly as a reader of the files would.
+/// Maps lattice integers to coordinates: x = (base_x + i) * scale_xy + offset_x, exactly as a reader of the files
+/// would.
 struct Lattice {
   double scale_xy = 1.0, scale_z = 1.0;
   double offset_x = 0.0, offset_y = 0.0, offset_z = 0.0;

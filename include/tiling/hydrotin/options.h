@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+/// What a run is asked to do: the checked content of a config, with the defaults that suit classified ground LiDAR in
+/// metres. `app` fills it from YAML and `--set`; `tiling` splits it and hands each algorithm its own few numbers.
+
+namespace hydrotin {
+
+enum class Objective : std::uint8_t { delaunay, min_weight, local_minima };
+enum class OutletPolicy : std::uint8_t {
+  hull,   ///< water may leave at the edge of the data
+  lowest  ///< only at the one lowest vertex (ties by (x, y))
+};
+enum class PitMethod : std::uint8_t { none, lift };
+enum class KeepWork : std::uint8_t { never, on_failure, always };
+
+struct InputOptions {
+  std::vector<std::string> points;       ///< LAS/LAZ files: absolute paths, globs or /vsi paths
+  std::vector<std::uint8_t> classes{2};  ///< classes used; empty: all
+  std::string crs;                       ///< overrides the files' CRS; empty: theirs
+  bool withheld = false;                 ///< use points flagged Withheld
+  bool synthetic = true;                 ///< use points flagged Synthetic
+};
+
+struct DemOptions {
+  bool enabled = true;
+  double cell_m = 1.0;
+  double max_edge_m = 100.0;  ///< triangles with a longer edge stay nodata; 0: no limit
+  bool cog = true;            ///< one Cloud Optimized GeoTIFF beside the tiles
+  bool hillshade = true;
+};
+
+struct OutputOptions {
+  std::string dir;
+  DemOptions dem;
+  bool mesh_ply = true;
+  KeepWork keep = KeepWork::on_failure;  ///< what becomes of the scratch folder
+};
+
+struct TileOptions {
+  std::uint64_t target_points = 4'000'000;  ///< points a tile is planned for (1,000 or more)
+};
+
+struct TriangulationOptions {
+  int order = 2;  ///< 0..6
+  Objective objective = Objective::local_minima;
+};
+
+struct PitOptions {
+  PitMethod method = PitMethod::lift;
+  OutletPolicy outlets = OutletPolicy::hull;
+};
+
+struct ExecutionOptions {
+  int workers = 0;  ///< 0: all cores
+  std::uint64_t memory_bytes = std::uint64_t{4} << 30;
+  std::string scratch;  ///< folder of the intermediate store; empty: <output.dir>/work
+};
+
+struct PipelineOptions {
+  InputOptions input;
+  OutputOptions output;
+  TileOptions tiles;
+  TriangulationOptions triangulation;
+  PitOptions pits;
+  ExecutionOptions run;
+};
+
+}  // namespace hydrotin

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+/// The phases of a run in their order; each is a pure function over numbered work units.
+
+namespace hydrotin {
+
+enum class Phase : std::uint8_t {
+  plan,         ///< 1 unit: check the inputs, cut the tiles
+  ingest,       ///< a unit per input file: decode, filter, bucket by tile
+  arrange,      ///< a unit per tile: merge, remove duplicates, sort along the curve
+  outline,      ///< 1 unit: boxes, counts and convex hull of everything
+  triangulate,  ///< a unit per tile
+  join,         ///< 1 unit: which border pieces form one polygon, and who solves it
+  seam,         ///< a unit per tile: the polygons that cross tiles
+  spill,        ///< a unit per tile: its merge tree reduced to its rim
+  drain,        ///< 1 unit: spill level of every rim vertex
+  finish,       ///< a unit per tile: final heights, mesh
+  raster,       ///< a unit per tile: DEM
+  report        ///< 1 unit: COG, hillshade, layers, figures
+};
+
+inline constexpr std::array<std::string_view, 12> kPhaseNames = {"plan",        "ingest", "arrange", "outline",
+                                                                 "triangulate", "join",   "seam",    "spill",
+                                                                 "drain",       "finish", "raster",  "report"};
+inline constexpr std::size_t kNumPhases = kPhaseNames.size();
+
+[[nodiscard]] constexpr std::string_view name(Phase phase) {
+  return kPhaseNames[static_cast<std::size_t>(phase)];
+}
+
+[[nodiscard]] constexpr std::optional<Phase> phase_named(std::string_view text) {
+  for (std::size_t i = 0; i < kNumPhases; ++i)
+    if (kPhaseNames[i] == text) return static_cast<Phase>(i);
+  return std::nullopt;
+}
+
+}  // namespace hydrotin

@@ -1,0 +1,1 @@
+hydrotin_test(clouds_test SOURCES clouds_test.cpp DEPENDS core)

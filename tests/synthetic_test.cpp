@@ -142,6 +142,12 @@ TEST(Synthetic, Fluvial_HasRelief) {
   EXPECT_LT(static_cast<double>(steep), 0.02 * static_cast<double>(count)) << "mountains, not walls";
 }
 
+TEST(Synthetic, Rivers_DescendInDomainsOfAnySize) {
+  for (const std::uint64_t n : {10'000, 60'000, 300'000, 60'000'000})
+    for (const auto& river : SyntheticTerrain({.kind = SyntheticKind::fluvial, .num_points = n, .seed = 2}).rivers())
+      for (std::size_t i = 0; i + 1 < river.line.size(); ++i) EXPECT_LT(river.line[i + 1][2], river.line[i][2]) << n;
+}
+
 TEST(Synthetic, Rivers_DescendInValleysToTheSouthernEdge) {
   const SyntheticTerrain terrain({.kind = SyntheticKind::fluvial, .num_points = 1'000'000, .seed = 6});
   const auto rivers = terrain.rivers();

@@ -18,7 +18,7 @@ constexpr double kConcavity = 0.45;      // slope ~ area^-0.45
 constexpr double kHillslopeArea = 1500;  // m2: below it slopes do not grow further
 constexpr double kReliefPerMetre = 0.2;
 constexpr double kMaxRelief = 2500;
-constexpr double kRiverArea = 40'000;                       // m2: catchment at which a river begins
+constexpr double kRiverArea = 40'000;  // m2: catchment at which a river begins, in a domain of a kilometre or more
 constexpr double kBankSlope = 0.25, kBankCurvature = 0.08;  // valley sides, steeper away from the bed
 constexpr double kUnseen = 1e300;
 constexpr double kJitter = 0.4;  // of the spacing: rivers do not run along the grid
@@ -29,6 +29,7 @@ FluvialRelief::FluvialRelief(double side, std::uint64_t seed)
     : side_(side), relief_(std::min(kMaxRelief, kReliefPerMetre * side)), seed_(scramble(seed ^ 0xF1)) {
   num_ = std::clamp(static_cast<std::uint32_t>(side / kSpacing) + 1, kMinNodes, kMaxNodes);
   spacing_ = side / (num_ - 1);
+  river_area_ = std::max(kRiverArea * std::min(1.0, side_ / 1000), 30 * spacing_ * spacing_);
   height_.resize(std::size_t{num_} * num_);
   place_nodes();
   hardness_.resize(height_.size());
@@ -104,7 +105,7 @@ void FluvialRelief::drain() {
 void FluvialRelief::creep() {
   const std::vector<double> before = height_;
   for (std::uint32_t node = num_; node < height_.size(); ++node) {
-    if (area_[node] > kRiverArea / 4) continue;
+    if (area_[node] > river_area_ / 4) continue;
     double sum = 0, count = 0;
     each_neighbour(node, [&](std::uint32_t neighbour) {
       sum += before[neighbour];
@@ -138,13 +139,12 @@ double FluvialRelief::rebuild() {
 
 /// The river bed lies below the node by a depth that grows downstream, so it descends as the nodes do.
 double FluvialRelief::bed(std::uint32_t node) const {
-  return height_[node] - std::min(8.0, 0.25 * spacing_ + 0.5 * std::log2(std::max(1.0, area_[node] / kRiverArea)));
+  return height_[node] - std::min(8.0, 0.25 * spacing_ + 0.5 * std::log2(std::max(1.0, area_[node] / river_area_)));
 }
 
 void FluvialRelief::find_rivers() {
   is_river_.assign(height_.size(), 0);
-  const double threshold = std::max(kRiverArea * std::min(1.0, side_ / 1000), 30 * spacing_ * spacing_);
-  for (std::uint32_t node = 0; node < height_.size(); ++node) is_river_[node] = area_[node] >= threshold ? 1 : 0;
+  for (std::uint32_t node = 0; node < height_.size(); ++node) is_river_[node] = area_[node] >= river_area_ ? 1 : 0;
 }
 
 /// Files every reach (node to receiver) under the coarse cells within reach of its banks.

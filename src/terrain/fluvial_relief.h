@@ -40,7 +40,7 @@ class FluvialRelief {
   [[nodiscard]] double distance(std::uint32_t a, std::uint32_t b) const;
   [[nodiscard]] double grid_height(double x, double y) const;
 
-  double side_, spacing_, relief_;
+  double side_, spacing_, relief_, river_area_;
   std::uint64_t seed_;
   std::uint32_t num_;                       ///< nodes along one side
   std::vector<Position> position_;          ///< [num^2]

@@ -4,12 +4,14 @@
 #include <string>
 #include <vector>
 
+#include "hydrotin/objective.h"
+
 /// What a run is asked to do: the checked content of a config, with the defaults that suit classified ground LiDAR in
 /// metres. `app` fills it from YAML and `--set`; `tiling` splits it and hands each algorithm its own few numbers.
 
 namespace hydrotin {
 
-enum class Objective : std::uint8_t { delaunay, min_weight, local_minima };
+
 enum class OutletPolicy : std::uint8_t {
   hull,   ///< water may leave at the edge of the data
   lowest  ///< only at the one lowest vertex (ties by (x, y))

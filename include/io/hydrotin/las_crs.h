@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+/// The coordinate reference system of a LAS file.
+///
+/// LAS 1.4 stores OGC WKT; older files store GeoTIFF keys. Both become one WKT and, where it can be told without doubt,
+/// the name "EPSG:n" (an authority code in the file, or the one EPSG entry that is the same system). A vertical system
+/// is kept in the WKT; the name is that of the horizontal part.
+///
+/// Threads  Functions are pure.
+
+namespace hydrotin {
+
+/// What a file holds about its CRS, as it stands there.
+struct LasCrsRecords {
+  std::string wkt;                       ///< OGC WKT record (2112)
+  std::vector<std::uint16_t> directory;  ///< GeoTIFF key directory (34735)
+  std::vector<double> doubles;           ///< GeoTIFF double parameters (34736)
+  std::string ascii;                     ///< GeoTIFF text parameters (34737)
+};
+
+struct LasCrs {
+  std::string name;     ///< "EPSG:n", or the WKT where EPSG has no such system, or empty
+  std::string wkt;      ///< empty: the file has no CRS
+  std::string problem;  ///< not empty: records are there but make no sense; what is wrong with them
+};
+
+/// Reads the records of a file. `wkt_first` is the file's word that WKT is the one that counts.
+[[nodiscard]] LasCrs las_crs(const LasCrsRecords& records, bool wkt_first);
+
+/// Reads what a user may give: "EPSG:n", WKT, PROJ text. Empty text gives no CRS.
+/// Fails: Error(config) where nothing of the kind can be made out.
+[[nodiscard]] LasCrs crs_from_text(const std::string& text);
+
+/// Do two WKTs mean the same horizontal system? Names, axis order and the vertical part do not count.
+[[nodiscard]] bool same_horizontal_crs(const std::string& wkt_a, const std::string& wkt_b);
+
+}  // namespace hydrotin

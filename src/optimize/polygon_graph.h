@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "hydrotin/polygon.h"
+
+/// The directed useful edges of one polygon and the triangles that can stand on them.
+
+namespace hydrotin {
+
+inline constexpr std::uint32_t kNoEdge = static_cast<std::uint32_t>(-1);
+
+/// A triangle that can stand on the left of a directed edge.
+struct Option {
+  std::uint32_t triangle;  ///< number among Delaunay triangles, then others
+  std::uint32_t apex;
+  std::uint32_t left_child;   ///< directed edge origin -> apex; its left side is still to be triangulated
+  std::uint32_t right_child;  ///< directed edge apex -> target
+  std::uint32_t next;         ///< next option of the same edge, or kNoEdge
+};
+
+struct PolygonEdge {
+  std::uint32_t origin, target;
+  std::uint32_t first_option;  ///< kNoEdge: none
+  bool is_delaunay;
+  bool is_boundary;  ///< fixed, with the outside (or a slit) on its left: nothing to triangulate
+};
+
+/// Built anew for each polygon; the arrays are reused.
+class PolygonGraph {
+ public:
+  void build(const PolygonProblem& problem);
+
+  [[nodiscard]] std::uint32_t num_edges() const { return static_cast<std::uint32_t>(edges_.size()); }
+  [[nodiscard]] const PolygonEdge& edge(std::uint32_t e) const { return edges_[e]; }
+  [[nodiscard]] const Option& option(std::uint32_t o) const { return options_[o]; }
+  /// The smallest side of the polygon by (origin, target) in (x, y), with the polygon on its left only.
+  [[nodiscard]] std::uint32_t root() const { return root_; }
+  [[nodiscard]] std::uint32_t find(std::uint32_t origin, std::uint32_t target) const;
+  [[nodiscard]] const std::array<std::uint32_t, 3>& triangle(std::uint32_t t) const {
+    return t < problem_->delaunay.size() ? problem_->delaunay[t] : problem_->others[t - problem_->delaunay.size()];
+  }
+  [[nodiscard]] std::uint32_t num_triangles() const {
+    return static_cast<std::uint32_t>(problem_->delaunay.size() + problem_->others.size());
+  }
+
+ private:
+  std::uint32_t find_or_add(std::uint32_t origin, std::uint32_t target);
+  void add_triangle(std::uint32_t t, bool delaunay);
+
+  const PolygonProblem* problem_ = nullptr;
+  std::vector<PolygonEdge> edges_;
+  std::vector<Option> options_;
+  std::vector<std::uint32_t> slot_;  // open addressing: directed edge, or kNoEdge
+  std::uint32_t root_ = kNoEdge;
+};
+
+}  // namespace hydrotin

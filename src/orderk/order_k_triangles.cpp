@@ -1,0 +1,124 @@
+#include "hydrotin/order_k_triangles.h"
+
+#include <algorithm>
+#include <cassert>
+#include <optional>
+
+#include "hydrotin/predicates.h"
+
+namespace hydrotin {
+
+UsefulEdgeIndex::UsefulEdgeIndex(const TriangulationView& triangulation, const VertexLinks& links,
+                                 const UsefulEdges& edges)
+    : tri_(triangulation),
+      links_(links),
+      edges_(edges),
+      begin_(triangulation.num_vertices()),
+      count_(triangulation.num_vertices()) {
+  for (std::uint32_t e = 0; e < edges.size(); ++e) {
+    const std::uint32_t v = edges.a[e].value;
+    if (count_[v] == 0) begin_[v] = e;
+    assert(begin_[v] + count_[v] == e && "the edges of a vertex stand together");
+    ++count_[v];
+  }
+}
+
+std::uint32_t UsefulEdgeIndex::find(VertexId p, VertexId q) const {
+  if (tri_.position[q] < tri_.position[p]) std::swap(p, q);
+  const std::uint32_t begin = begin_[p.value], end = begin + count_[p.value];
+  for (std::uint32_t e = begin; e < end; ++e)
+    if (edges_.b[e] == q) return e;
+  return kNone;
+}
+
+bool UsefulEdgeIndex::is_delaunay(VertexId p, VertexId q) const {
+  const auto link = links_.of(p);
+  return std::find(link.begin(), link.end(), q) != link.end();
+}
+
+namespace {
+
+// Enumerates the triangles on both sides of each edge.
+class TriangleFinder {
+ public:
+  TriangleFinder(const TriangulationView& tri, const VertexLinks& links, const UsefulEdges& edges, int k)
+      : tri_(tri), edges_(edges), index_(tri, links, edges), k_(static_cast<std::size_t>(k)) {}
+
+  OrderKTriangles run() {
+    for (std::uint32_t e = 0; e < edges_.size(); ++e)
+      for (const bool right : {true, false}) visit(e, right);
+    return std::move(found_);
+  }
+
+ private:
+  [[nodiscard]] LatticePoint at(VertexId v) const { return tri_.position[v]; }
+
+  // The order of the triangle of edge e and the point of rank `rank` on one side, if it is at most k.
+  [[nodiscard]] std::optional<std::size_t> order_of(std::uint32_t e, bool right, std::size_t rank) const {
+    const auto own = right ? edges_.right(e) : edges_.left(e);
+    const auto opposite = right ? edges_.left(e) : edges_.right(e);
+    const VertexId w = own[rank];
+    // Counter-clockwise: a, b, w on the left; b, a, w on the right.
+    const LatticePoint a = at(right ? edges_.b[e] : edges_.a[e]), b = at(right ? edges_.a[e] : edges_.b[e]);
+    std::size_t order = rank;
+    for (const VertexId p : opposite) {  // sorted: the farther from its side's first point, the earlier outside
+      if (!in_circle(a, b, at(w), at(p))) break;
+      if (++order > k_) return std::nullopt;
+    }
+    return order;
+  }
+
+  // Whether one of the points inside the circle on w's side lies in the triangle.
+  [[nodiscard]] bool is_empty(std::uint32_t e, bool right, std::size_t rank) const {
+    const auto own = right ? edges_.right(e) : edges_.left(e);
+    const LatticePoint a = at(right ? edges_.b[e] : edges_.a[e]), b = at(right ? edges_.a[e] : edges_.b[e]);
+    const LatticePoint w = at(own[rank]);
+    for (std::size_t i = 0; i < rank; ++i) {
+      const LatticePoint p = at(own[i]);
+      if (orientation(b, w, p) >= 0 && orientation(w, a, p) >= 0) return false;
+    }
+    return true;
+  }
+
+  // Whether the triangle was met from an earlier edge: leg pw of edge e, whose third point is q.
+  [[nodiscard]] bool met_before(std::uint32_t leg, std::uint32_t e, VertexId q) const {
+    if (leg == UsefulEdgeIndex::kNone || leg > e) return false;
+    const auto content =
+        std::span(edges_.content)
+            .subspan(edges_.content_begin[leg], edges_.content_begin[leg + 1] - edges_.content_begin[leg]);
+    return std::find(content.begin(), content.end(), q) != content.end();
+  }
+
+  void visit(std::uint32_t e, bool right) {
+    const VertexId a = edges_.a[e], b = edges_.b[e];
+    const auto own = right ? edges_.right(e) : edges_.left(e);
+    for (std::size_t rank = 0; rank < own.size(); ++rank) {
+      const VertexId w = own[rank];
+      const std::uint32_t leg_a = index_.find(a, w), leg_b = index_.find(b, w);
+      if (leg_a == UsefulEdgeIndex::kNone && !index_.is_delaunay(a, w)) continue;
+      if (leg_b == UsefulEdgeIndex::kNone && !index_.is_delaunay(b, w)) continue;
+      if (met_before(leg_a, e, b) || met_before(leg_b, e, a)) continue;
+      if (!is_empty(e, right, rank)) continue;
+      const auto order = order_of(e, right, rank);
+      if (!order) continue;
+      found_.vertices.push_back(right ? std::array{b, a, w} : std::array{a, b, w});
+      found_.order.push_back(static_cast<std::uint8_t>(*order));
+      found_.entry.push_back(edges_.entry[e]);
+    }
+  }
+
+  const TriangulationView& tri_;
+  const UsefulEdges& edges_;
+  UsefulEdgeIndex index_;
+  std::size_t k_;
+  OrderKTriangles found_;
+};
+
+}  // namespace
+
+OrderKTriangles order_k_triangles(const TriangulationView& triangulation, const VertexLinks& links,
+                                  const UsefulEdges& edges, int k) {
+  return TriangleFinder(triangulation, links, edges, k).run();
+}
+
+}  // namespace hydrotin

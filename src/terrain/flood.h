@@ -1,0 +1,114 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "hydrotin/lifting.h"
+#include "hydrotin/vertex_graph.h"
+#include "min_heap.h"
+
+namespace hydrotin {
+
+/// A flood of a terrain from sources: the level of each v is the minimum over sources s and paths from s to v, through
+/// no other source, of max(level(s), heights on the path after s).
+///
+/// A neighbour w of a reached v with h(w) >= level(v) has level h(w), whatever else happens: levels are never below
+/// heights. So climbing needs no order, and only what lies below the current levels has to wait for the lowest way in.
+/// Three work lists: `climb_`, reached vertices above the water, in order of arrival; `pool_`, vertices at the level of
+/// the water; `rim_`, a heap of vertices with an unreached lower neighbour, by level. When climbing is exhausted and
+/// the lowest rim, at level L, is taken, every vertex that could lead into the lower region behind it has level L at
+/// least: the region up to its own shores is a pool of level L. Candidates for the heap are checked again after the
+/// climb, because most of them have been reached from elsewhere by then.
+class Flood {
+ public:
+  /// @param level  [n] in: heights; out: levels, kNoLevel where no source leads.
+  Flood(const VertexGraph& graph, std::span<std::int32_t> level)
+      : graph_(graph), level_(level), reached_(level.size() / 64 + 1, 0) {}
+
+  void add_source(std::uint32_t v, std::int32_t level) {
+    level_[v] = level;
+    set_reached(v);
+    climb_.push_back(v);
+  }
+
+  /// Calls reach(v, w) once for every w that is no source, v being a neighbour reached before it.
+  template <class Reach>
+  void run(Reach reach) {
+    climb(reach);
+    while (!rim_.empty()) {
+      const auto v = static_cast<std::uint32_t>(rim_.pop());
+      if (!rim_.empty()) __builtin_prefetch(&graph_.begin[static_cast<std::uint32_t>(rim_.top())]);
+      pool_.push_back(v);
+      fill(level_[v], reach);
+      climb(reach);
+    }
+    for (std::uint32_t v = 0; v < level_.size(); ++v)
+      if (!is_reached(v)) level_[v] = kNoLevel;
+  }
+
+ private:
+  [[nodiscard]] bool is_reached(std::uint32_t v) const { return (reached_[v >> 6] >> (v & 63)) & 1; }
+  void set_reached(std::uint32_t v) { reached_[v >> 6] |= std::uint64_t{1} << (v & 63); }
+
+  // Biased so that unsigned order is the order of levels; the vertex in the low half.
+  [[nodiscard]] static std::uint64_t key(std::int32_t level, std::uint32_t v) {
+    return (std::uint64_t{static_cast<std::uint32_t>(level) ^ 0x80000000u} << 32) | v;
+  }
+
+  template <class Reach>
+  void climb(Reach& reach) {
+    for (std::size_t next = 0; next < climb_.size(); ++next) {
+      const std::uint32_t v = climb_[next];
+      const std::int32_t level = level_[v];
+      bool may_overflow = false;
+      for (const std::uint32_t w : graph_.neighbors(v)) {
+        if (is_reached(w)) continue;
+        if (level_[w] >= level) {
+          set_reached(w);
+          reach(v, w);
+          climb_.push_back(w);
+        } else {
+          may_overflow = true;
+        }
+      }
+      if (may_overflow) candidate_.push_back(v);
+    }
+    climb_.clear();
+    for (const std::uint32_t v : candidate_) {
+      const auto around = graph_.neighbors(v);
+      if (!std::all_of(around.begin(), around.end(), [&](std::uint32_t w) { return is_reached(w); }))
+        rim_.push(key(level_[v], v));
+    }
+    candidate_.clear();
+  }
+
+  template <class Reach>
+  void fill(std::int32_t level, Reach& reach) {
+    while (!pool_.empty()) {
+      const std::uint32_t v = pool_.back();
+      pool_.pop_back();
+      for (const std::uint32_t w : graph_.neighbors(v)) {
+        if (is_reached(w)) continue;
+        set_reached(w);
+        reach(v, w);
+        if (level_[w] > level) {
+          climb_.push_back(w);
+        } else {
+          level_[w] = level;
+          pool_.push_back(w);
+        }
+      }
+    }
+  }
+
+  const VertexGraph& graph_;
+  std::span<std::int32_t> level_;
+  std::vector<std::uint64_t> reached_;  // a bit per vertex: stays in the cache where the levels do not
+  std::vector<std::uint32_t> climb_, candidate_, pool_;
+  MinHeap rim_;
+};
+
+}  // namespace hydrotin

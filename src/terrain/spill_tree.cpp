@@ -1,0 +1,191 @@
+#include "hydrotin/spill_tree.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cstddef>
+#include <numeric>
+
+#include "flood.h"
+#include "hydrotin/lifting.h"
+#include "radix_sort.h"
+#include "union_find.h"
+
+namespace hydrotin {
+namespace {
+
+std::uint64_t biased(std::int32_t height) {
+  return static_cast<std::uint32_t>(height) ^ 0x80000000u;
+}
+
+// The vertices of a rim in ascending order of their global ids.
+std::vector<std::uint32_t> sorted_rim(std::span<const std::uint64_t> global_id, std::span<const std::uint8_t> is_rim) {
+  std::vector<std::uint32_t> rim;
+  for (std::uint32_t v = 0; v < is_rim.size(); ++v)
+    if (is_rim[v]) rim.push_back(v);
+  std::sort(rim.begin(), rim.end(), [&](std::uint32_t a, std::uint32_t b) { return global_id[a] < global_id[b]; });
+  return rim;
+}
+
+// Terminals are numbered 0 .. R - 1 as the rim, R for the outlets, and nothing beyond.
+constexpr std::uint32_t kUnlabelled = std::numeric_limits<std::uint32_t>::max();
+
+// Edges of the part between catchments of different terminals, as spill edges with terminal numbers.
+//
+// d(v) = the minimax height from v to the nearest terminal, label(v) = a terminal that attains it; both come from a
+// flood with all terminals as sources at their own heights. An edge vw of the part stands for a path label(v) - v - w -
+// label(w) of height max(d(v), d(w)). These edges keep all minimax heights between terminals, whatever labels attain a
+// tie:
+// - none is too low, being a path of that height;
+// - if terminals a and b are joined by a path of height t, each vertex u of it has d(u) <= t (go on to b), so each edge
+// of
+//   the path is an edge of height <= t between labels or joins equal labels, and leads from label(a) = a to label(b) =
+//   b. (A terminal is its own nearest: every path contains its start.)
+std::vector<SpillEdge> edges_between_catchments(const VertexGraph& graph, std::span<const std::int32_t> level,
+                                                std::span<const std::uint32_t> label) {
+  std::vector<SpillEdge> edges;
+  for (std::uint32_t v = 0; v < graph.num_vertices(); ++v) {
+    const std::uint32_t a = label[v];
+    for (const std::uint32_t w : graph.neighbors(v)) {
+      if (w > v) break;  // neighbours ascend: each edge once
+      if (const std::uint32_t b = label[w]; a != b)
+        edges.push_back({std::min(a, b), std::max(a, b), std::max(level[v], level[w])});
+    }
+  }
+  return edges;
+}
+
+}  // namespace
+
+SpillTree reduce_to_rim(const VertexGraph& graph, std::span<const std::int32_t> height,
+                        std::span<const std::uint64_t> global_id, std::span<const std::uint8_t> is_rim,
+                        std::span<const std::uint8_t> is_outlet) {
+  assert(height.size() == graph.num_vertices() && is_outlet.size() == height.size() && "one entry per vertex");
+  assert(global_id.size() == height.size() && is_rim.size() == height.size() && "one entry per vertex");
+  SpillTree tree;
+  const std::vector<std::uint32_t> rim = sorted_rim(global_id, is_rim);
+  const auto outlets = static_cast<std::uint32_t>(rim.size());
+  std::vector<std::int32_t> level(height.begin(), height.end());
+  std::vector<std::uint32_t> label(height.size(), kUnlabelled);
+  Flood flood(graph, level);
+  for (std::uint32_t r = 0; r < outlets; ++r) {
+    tree.rim.push_back(global_id[rim[r]]);
+    assert((r == 0 || tree.rim[r - 1] < tree.rim[r]) && "global ids are distinct");
+    label[rim[r]] = r;
+    flood.add_source(rim[r], height[rim[r]]);
+  }
+  std::vector<SpillEdge> edges;
+  for (std::uint32_t v = 0; v < height.size(); ++v) {
+    assert(height[v] != kNoLevel && "this height means no level");
+    if (!is_outlet[v]) continue;
+    if (is_rim[v]) {
+      edges.push_back({label[v], outlets, height[v]});
+    } else {
+      label[v] = outlets;
+      flood.add_source(v, height[v]);
+    }
+  }
+  flood.run([&](std::uint32_t v, std::uint32_t w) { label[w] = label[v]; });
+  const std::vector<SpillEdge> between = edges_between_catchments(graph, level, label);
+  edges.insert(edges.end(), between.begin(), between.end());
+
+  // Kruskal. Any order of equal heights gives a minimax forest: at each height the same sets of terminals are joined.
+  radix_sort(edges, [](const SpillEdge& e) { return biased(e.height); });
+  UnionFind joined(std::size_t{outlets} + 1);
+  for (SpillEdge e : edges) {
+    if (!joined.unite(e.a, e.b)) continue;
+    if (e.b == outlets) e.b = kOutlet;
+    tree.edge.push_back(e);
+  }
+  return tree;
+}
+
+std::vector<std::int32_t> RimLevels::of(std::span<const std::uint64_t> ids) const {
+  std::vector<std::int32_t> result;
+  result.reserve(ids.size());
+  auto from = vertex.begin();
+  std::uint64_t previous = 0;
+  for (const std::uint64_t id : ids) {
+    if (id < previous) from = vertex.begin();
+    previous = id;
+    from = std::lower_bound(from, vertex.end(), id);
+    assert(from != vertex.end() && *from == id && "the vertex is on no rim");
+    result.push_back(level[static_cast<std::size_t>(from - vertex.begin())]);
+  }
+  return result;
+}
+
+bool is_valid(const SpillTree& tree) {
+  const std::size_t num_rim = tree.rim.size();
+  return num_rim < kOutlet && tree.edge.size() <= num_rim &&
+         std::adjacent_find(tree.rim.begin(), tree.rim.end(), std::greater_equal<>{}) == tree.rim.end() &&
+         std::all_of(tree.edge.begin(), tree.edge.end(), [&](const SpillEdge& e) {
+           return e.a < num_rim && (e.b < num_rim || e.b == kOutlet) && e.height != kNoLevel;
+         });
+}
+
+namespace {
+
+std::vector<std::uint64_t> distinct_rim(std::span<const SpillTree> parts) {
+  std::vector<std::uint64_t> vertex;
+  std::size_t total = 0;
+  for (const SpillTree& part : parts) total += part.rim.size();
+  vertex.reserve(total);
+  for (const SpillTree& part : parts) vertex.insert(vertex.end(), part.rim.begin(), part.rim.end());
+  radix_sort(vertex, [](std::uint64_t id) { return id; });
+  vertex.erase(std::unique(vertex.begin(), vertex.end()), vertex.end());
+  return vertex;
+}
+
+// The edges of all trees with ends numbered as `vertex`, ascending by height.
+std::vector<SpillEdge> sorted_edges(std::span<const SpillTree> parts, const std::vector<std::uint64_t>& vertex) {
+  std::vector<SpillEdge> edges;
+  std::size_t total = 0;
+  for (const SpillTree& part : parts) total += part.edge.size();
+  edges.reserve(total);
+  std::vector<std::uint32_t> number;
+  for (const SpillTree& part : parts) {
+    number.clear();
+    auto from = vertex.begin();
+    for (const std::uint64_t id : part.rim) {
+      from = std::lower_bound(from, vertex.end(), id);
+      number.push_back(static_cast<std::uint32_t>(from - vertex.begin()));
+    }
+    for (const SpillEdge& e : part.edge)
+      edges.push_back({number[e.a], e.b == kOutlet ? kOutlet : number[e.b], e.height});
+  }
+  radix_sort(edges, [](const SpillEdge& e) { return biased(e.height); });
+  return edges;
+}
+
+}  // namespace
+
+RimLevels drain(std::span<const SpillTree> parts) {
+  RimLevels result;
+  result.vertex = distinct_rim(parts);
+  assert(result.vertex.size() < kOutlet && "rim vertices are numbered with 32 bits");
+  const std::vector<SpillEdge> edges = sorted_edges(parts, result.vertex);
+
+  // Ascending heights: a set of rim vertices gets its level, all at once and for ever, when it first meets an outlet or
+  // a set that has a level already. Sets with a level are not united any more, so the level at the root is that of all
+  // members.
+  UnionFind set(result.vertex.size());
+  result.level.assign(result.vertex.size(), kNoLevel);
+  for (const SpillEdge& e : edges) {
+    const std::uint32_t a = set.find(e.a);
+    const std::uint32_t b = e.b == kOutlet ? kOutlet : set.find(e.b);
+    const bool a_drains = result.level[a] != kNoLevel;
+    const bool b_drains = b == kOutlet || result.level[b] != kNoLevel;
+    if (a_drains && b_drains) continue;
+    if (a_drains) {
+      result.level[b] = e.height;
+    } else if (b_drains) {
+      result.level[a] = e.height;
+    } else {
+      set.unite(a, b);
+    }
+  }
+  for (std::uint32_t v = 0; v < result.level.size(); ++v) result.level[v] = result.level[set.find(v)];
+  return result;
+}
+
+}  // namespace hydrotin

@@ -1,0 +1,1 @@
+hydrotin_test(geometry_test SOURCES geometry_test.cpp DEPENDS geometry)

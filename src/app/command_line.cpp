@@ -25,17 +25,20 @@ int complain(const std::string& text, int code) {
 /// What was written to stdout must have arrived: a full disk behind a redirection is an error like any other.
 int finish_output(int code) {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
-  return complain("standard output cannot be written (check the disk's free space)", static_cast<int>(ErrorKind::storage));
+  return complain("standard output cannot be written (check the disk's free space)",
+                  static_cast<int>(ErrorKind::storage));
 }
 
 }  // namespace
 
 int run_command_line(int argc, char** argv) {
   try {
-    CLI::App program("hydrotin " + std::string(version()) + ": LiDAR of any size to hydrologically correct TINs", "hydrotin");
+    CLI::App program("hydrotin " + std::string(version()) + ": LiDAR of any size to hydrologically correct TINs",
+                     "hydrotin");
     program.set_version_flag("--version", std::string(version()));
     program.require_subcommand(1);
-    program.footer("Exit codes: 0 ok, 2 usage or config, 3 input, 4 storage, 5 resources, 6 a check failed, 70 our bug.");
+    program.footer(
+        "Exit codes: 0 ok, 2 usage or config, 3 input, 4 storage, 5 resources, 6 a check failed, 70 our bug.");
     Action action;
     add_pipeline_commands(program, action);
     add_info_command(program, action);

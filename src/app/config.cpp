@@ -33,7 +33,7 @@ class Reader {
   [[nodiscard]] const std::string& place() const { return value_->place; }
   [[nodiscard]] const std::string& name() const { return name_; }
   [[noreturn]] void refuse(const std::string& allowed) const {
-    const std::string shown = value_->kind == ConfigValue::Kind::scalar  ? "'" + value_->text + "'"
+    const std::string shown = value_->kind == ConfigValue::Kind::scalar ? "'" + value_->text + "'"
                               : value_->kind == ConfigValue::Kind::list ? "a list"
                                                                         : "a section";
     fail(value_->place, name_ + ": " + shown + " is not possible (allowed: " + allowed + ")");
@@ -48,7 +48,8 @@ class Reader {
     for (std::size_t i = 0; i < value_->entries.size(); ++i)
       if (std::find(keys.begin(), keys.end(), value_->entries[i].first) == keys.end())
         fail(value_->key_places[i], "unknown key '" + value_->entries[i].first + "'" +
-                                        (name_.empty() ? " in the config" : " in " + name_) + " (allowed: " + allowed + ")");
+                                        (name_.empty() ? " in the config" : " in " + name_) + " (allowed: " + allowed +
+                                        ")");
   }
 
   [[nodiscard]] Reader at(const std::string& key) const {
@@ -70,7 +71,8 @@ class Reader {
   }
 
   [[nodiscard]] double real(double low, double high, const std::string& allowed) const {
-    const auto value = value_->kind == ConfigValue::Kind::scalar && !value_->is_quoted ? number_in(value_->text) : std::nullopt;
+    const auto value =
+        value_->kind == ConfigValue::Kind::scalar && !value_->is_quoted ? number_in(value_->text) : std::nullopt;
     if (!value || *value < low || *value > high) refuse(allowed);
     return *value;
   }
@@ -84,7 +86,8 @@ class Reader {
 
   /// The value's place among `names`.
   [[nodiscard]] std::size_t choice(const std::vector<std::string>& names) const {
-    const auto found = value_->kind == ConfigValue::Kind::scalar ? std::find(names.begin(), names.end(), value_->text) : names.end();
+    const auto found =
+        value_->kind == ConfigValue::Kind::scalar ? std::find(names.begin(), names.end(), value_->text) : names.end();
     if (found == names.end()) {
       std::string allowed;
       for (const auto& one : names) allowed += (allowed.empty() ? "" : ", ") + one;
@@ -99,7 +102,8 @@ class Reader {
     if (value_->kind == ConfigValue::Kind::section) refuse(allowed);
     if (value_->kind == ConfigValue::Kind::scalar) return {*this};
     for (const auto& item : value_->items) {
-      if (item.kind != ConfigValue::Kind::scalar) fail(item.place, name_ + ": every item must be a plain value (allowed: " + allowed + ")");
+      if (item.kind != ConfigValue::Kind::scalar)
+        fail(item.place, name_ + ": every item must be a plain value (allowed: " + allowed + ")");
       items.emplace_back(&item, name_);
     }
     return items;
@@ -121,13 +125,15 @@ std::string resolved(const std::filesystem::path& folder, const std::string& pat
   return (folder / path).lexically_normal().string();  // an absolute path stays what it is
 }
 
-void read_input(const Reader& input, const std::filesystem::path& folder, const std::string& file, InputOptions& options) {
+void read_input(const Reader& input, const std::filesystem::path& folder, const std::string& file,
+                InputOptions& options) {
   input.require_keys({"points", "classes", "rivers", "lakes", "crs", "withheld", "synthetic"});
   input.refuse_for_now("rivers", "embed rivers");
   input.refuse_for_now("lakes", "embed lakes");
   const Reader points = input.at("points");
   const std::string patterns = "a list of LAS or LAZ files or patterns";
-  if (!points.is_given()) fail(input.is_given() ? input.place() : file, "input.points is missing (give " + patterns + ")");
+  if (!points.is_given())
+    fail(input.is_given() ? input.place() : file, "input.points is missing (give " + patterns + ")");
   for (const Reader& item : points.list(patterns)) options.points.push_back(resolved(folder, item.text(patterns)));
   if (options.points.empty()) points.refuse(patterns + " that is not empty");
 
@@ -186,7 +192,8 @@ void read_output(const Reader& output, const std::filesystem::path& folder, Outp
 
 void read_triangulation(const Reader& triangulation, TriangulationOptions& options) {
   triangulation.require_keys({"order", "objective"});
-  if (const Reader order = triangulation.at("order"); order.is_given()) options.order = static_cast<int>(order.integer(0, 6));
+  if (const Reader order = triangulation.at("order"); order.is_given())
+    options.order = static_cast<int>(order.integer(0, 6));
   if (const Reader objective = triangulation.at("objective"); objective.is_given()) {
     constexpr Objective kValues[] = {Objective::delaunay, Objective::min_weight, Objective::local_minima};
     options.objective = kValues[objective.choice({"delaunay", "min-weight", "local-minima"})];
@@ -217,15 +224,24 @@ void read_run(const Reader& run, const std::filesystem::path& folder, ExecutionO
     if (!bytes || *bytes < std::uint64_t{64} << 20) memory.refuse(allowed);
     options.memory_bytes = *bytes;
   }
-  if (const Reader scratch = run.at("scratch"); scratch.is_given()) options.scratch = resolved(folder, scratch.text("a folder"));
+  if (const Reader scratch = run.at("scratch"); scratch.is_given())
+    options.scratch = resolved(folder, scratch.text("a folder"));
 }
 
 }  // namespace
 
 std::optional<std::uint64_t> parse_byte_count(std::string_view text) {
-  static constexpr std::pair<std::string_view, double> kUnits[] = {
-      {"", 1},      {"B", 1},      {"kB", 1e3},        {"KB", 1e3},        {"MB", 1e6},           {"GB", 1e9},
-      {"TB", 1e12}, {"KiB", 1024}, {"MiB", 1048576.0}, {"GiB", 1073741824.0}, {"TiB", 1099511627776.0}};
+  static constexpr std::pair<std::string_view, double> kUnits[] = {{"", 1},
+                                                                   {"B", 1},
+                                                                   {"kB", 1e3},
+                                                                   {"KB", 1e3},
+                                                                   {"MB", 1e6},
+                                                                   {"GB", 1e9},
+                                                                   {"TB", 1e12},
+                                                                   {"KiB", 1024},
+                                                                   {"MiB", 1048576.0},
+                                                                   {"GiB", 1073741824.0},
+                                                                   {"TiB", 1099511627776.0}};
   const std::size_t unit = std::min(text.find_first_not_of("0123456789.eE"), text.size());
   const auto number = number_in(text.substr(0, unit));
   std::string_view name = text.substr(unit);

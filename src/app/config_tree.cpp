@@ -44,7 +44,8 @@ class Converter {
   ConfigValue convert(const YAML::Node& node, int depth) {
     ConfigValue value;
     value.place = places_.of(node.Mark());
-    if (++num_values_ > kMaxValues || depth > kMaxDepth) fail(value.place, "too much nested or repeated content for a config");
+    if (++num_values_ > kMaxValues || depth > kMaxDepth)
+      fail(value.place, "too much nested or repeated content for a config");
     switch (node.Type()) {
       case YAML::NodeType::Undefined:
       case YAML::NodeType::Null:
@@ -96,7 +97,8 @@ ConfigValue parse(const std::string& text, const Places& places) {
 }  // namespace
 
 const ConfigValue* ConfigValue::find(const std::string& key) const {
-  const auto found = std::find_if(entries.begin(), entries.end(), [&](const auto& entry) { return entry.first == key; });
+  const auto found =
+      std::find_if(entries.begin(), entries.end(), [&](const auto& entry) { return entry.first == key; });
   return found == entries.end() ? nullptr : &found->second;
 }
 
@@ -133,7 +135,8 @@ void apply_override(ConfigValue& root, const ConfigOverride& override) {
       // A section replaces what stood there: `dem: false` in the file, `--set output.dem.cell_m=2` on the command line.
       *value = {.kind = ConfigValue::Kind::section, .place = override.option};
     }
-    auto found = std::find_if(value->entries.begin(), value->entries.end(), [&](const auto& entry) { return entry.first == key; });
+    auto found = std::find_if(value->entries.begin(), value->entries.end(),
+                              [&](const auto& entry) { return entry.first == key; });
     if (found == value->entries.end()) {
       value->entries.emplace_back(key, ConfigValue{.place = override.option});
       value->key_places.push_back(override.option);

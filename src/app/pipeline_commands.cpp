@@ -35,8 +35,8 @@ struct ConfigArguments {
   }
 };
 
-CLI::App* add_command(CLI::App& program, const std::string& name, const std::string& description, ConfigArguments& arguments,
-                      bool with_json = true) {
+CLI::App* add_command(CLI::App& program, const std::string& name, const std::string& description,
+                      ConfigArguments& arguments, bool with_json = true) {
   CLI::App* command = program.add_subcommand(name, description);
   command->add_option("config", arguments.config, "config file (YAML)")->required()->type_name("CONFIG");
   command->add_option("--set", arguments.set, "override a key of the config, for example tiles.target_points=1000000")
@@ -56,8 +56,8 @@ Phase phase_or_complain(const std::string& text, const std::string& option) {
 }
 
 std::filesystem::path events_file(const PipelineOptions& options) {
-  const std::filesystem::path scratch =
-      options.run.scratch.empty() ? std::filesystem::path(options.output.dir) / "work" : std::filesystem::path(options.run.scratch);
+  const std::filesystem::path scratch = options.run.scratch.empty() ? std::filesystem::path(options.output.dir) / "work"
+                                                                    : std::filesystem::path(options.run.scratch);
   return scratch / "events.jsonl";
 }
 
@@ -101,7 +101,8 @@ void print_summary(const DatasetSummary& summary, bool as_json) {
 int print_plan(const PipelineOptions& options, bool as_json) {
   const PlanSummary plan = plan_run(options);
   Json units = Json::object();
-  for (std::size_t i = 0; i < plan.units.size() && i < kNumPhases; ++i) units[std::string(kPhaseNames[i])] = plan.units[i];
+  for (std::size_t i = 0; i < plan.units.size() && i < kNumPhases; ++i)
+    units[std::string(kPhaseNames[i])] = plan.units[i];
   if (as_json) {
     const Json json = {{"files", plan.files},
                        {"points", plan.points},
@@ -129,7 +130,8 @@ int print_plan(const PipelineOptions& options, bool as_json) {
   fmt::print("memory           {:.1f} MiB\n", static_cast<double>(plan.memory_bytes) / kMiB);
   fmt::print("disk             {:.1f} MiB\n", static_cast<double>(plan.disk_bytes) / kMiB);
   fmt::print("time             {} (rough)\n", as_duration(plan.seconds));
-  for (const auto& [phase, count] : units.items()) fmt::print("units            {:<12} {}\n", phase, count.get<std::uint64_t>());
+  for (const auto& [phase, count] : units.items())
+    fmt::print("units            {:<12} {}\n", phase, count.get<std::uint64_t>());
   return 0;
 }
 
@@ -167,7 +169,8 @@ void add_run(CLI::App& program, Action& action) {
   command->callback([arguments, &action] {
     action = [arguments] {
       const PipelineOptions options = arguments->read();
-      const RunControl control{.until = phase_or_complain(arguments->until, "--until"), .overwrite = arguments->overwrite};
+      const RunControl control{.until = phase_or_complain(arguments->until, "--until"),
+                               .overwrite = arguments->overwrite};
       if (arguments->dry_run) return print_plan(options, arguments->json);
       ProgressDisplay display = make_display(options);
       const DatasetSummary summary = run_pipeline(options, control, display);
@@ -189,15 +192,17 @@ void add_phase(CLI::App& program, Action& action) {
   command->add_option("config", arguments->config, "config file (YAML)")->required()->type_name("CONFIG");
   command->add_option("--task", arguments->task, "number of this task, from 0")->required()->type_name("I");
   command->add_option("--of", arguments->of, "number of tasks")->required()->type_name("N");
-  command->add_option("--set", arguments->set, "override a key of the config")->type_name("KEY=VALUE")->allow_extra_args(false);
+  command->add_option("--set", arguments->set, "override a key of the config")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
   command->add_option("--workers", arguments->workers, "threads, or auto (run.workers)")->type_name("N");
   command->add_option("--memory", arguments->memory, "memory budget, for example 4GiB (run.memory)")->type_name("SIZE");
   command->callback([arguments, &action] {
     action = [arguments] {
       const Phase phase = phase_or_complain(arguments->phase, "phase");
       if (arguments->of == 0 || arguments->task >= arguments->of)
-        throw Error(ErrorKind::config, fmt::format("--task {} --of {}: tasks are numbered from 0 to N - 1", arguments->task,
-                                                   arguments->of));
+        throw Error(ErrorKind::config, fmt::format("--task {} --of {}: tasks are numbered from 0 to N - 1",
+                                                   arguments->task, arguments->of));
       const PipelineOptions options = arguments->read();
       ProgressDisplay display = make_display(options);
       run_phase(options, phase, arguments->task, arguments->of, display);
@@ -215,7 +220,9 @@ void add_check(CLI::App& program, Action& action) {
   command->add_option("config", arguments->config, "config file, or the folder of a finished data set")
       ->required()
       ->type_name("CONFIG|DIR");
-  command->add_option("--set", arguments->set, "override a key of the config")->type_name("KEY=VALUE")->allow_extra_args(false);
+  command->add_option("--set", arguments->set, "override a key of the config")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
   command->add_option("--order-sample", arguments->order_sample, "recount the order of so many triangles; 0: of all")
       ->type_name("N");
   command->add_flag("--json", arguments->json, "print JSON");
@@ -235,9 +242,8 @@ void add_check(CLI::App& program, Action& action) {
 void add_pipeline_commands(CLI::App& program, Action& action) {
   add_run(program, action);
   auto plan = std::make_shared<ConfigArguments>();
-  add_command(program, "plan", "say what would be done: tiles, units, memory, disk, time", *plan)->callback([plan, &action] {
-    action = [plan] { return print_plan(plan->read(), plan->json); };
-  });
+  add_command(program, "plan", "say what would be done: tiles, units, memory, disk, time", *plan)
+      ->callback([plan, &action] { action = [plan] { return print_plan(plan->read(), plan->json); }; });
   add_phase(program, action);
   auto status = std::make_shared<ConfigArguments>();
   add_command(program, "status", "how far a run is", *status)->callback([status, &action] {

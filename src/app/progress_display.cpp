@@ -30,7 +30,8 @@ std::string as_duration(double seconds) {
   return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
 }
 
-ProgressDisplay::ProgressDisplay(std::FILE* out, bool is_terminal, std::filesystem::path events, double interval_seconds)
+ProgressDisplay::ProgressDisplay(std::FILE* out, bool is_terminal, std::filesystem::path events,
+                                 double interval_seconds)
     : out_(out),
       is_terminal_(is_terminal),
       events_path_(std::move(events)),
@@ -43,7 +44,9 @@ ProgressDisplay::~ProgressDisplay() {
   if (events_ != nullptr) std::fclose(events_);
 }
 
-double ProgressDisplay::seconds() const { return std::chrono::duration<double>(Clock::now() - begun_).count(); }
+double ProgressDisplay::seconds() const {
+  return std::chrono::duration<double>(Clock::now() - begun_).count();
+}
 
 void ProgressDisplay::record(const std::string& fields) {
   if (events_path_.empty()) return;
@@ -81,8 +84,8 @@ void ProgressDisplay::unit_done(Phase phase, std::uint64_t unit, std::uint64_t w
     ++skipped_units_;
     skipped_work_ += work;
   }
-  record(fmt::format("\"event\":\"unit_done\",\"phase\":\"{}\",\"unit\":{},\"work\":{},\"skipped\":{}", name(phase), unit,
-                     work, skipped));
+  record(fmt::format("\"event\":\"unit_done\",\"phase\":\"{}\",\"unit\":{},\"work\":{},\"skipped\":{}", name(phase),
+                     unit, work, skipped));
   show(false);
 }
 

@@ -44,7 +44,7 @@ class ProgressDisplay : public Progress {
   std::FILE* events_ = nullptr;
   double interval_;
   Phase phase_ = Phase::plan;
-  std::uint64_t units_ = 0, work_ = 0;                              // of the phase
+  std::uint64_t units_ = 0, work_ = 0;  // of the phase
   std::uint64_t done_units_ = 0, skipped_units_ = 0;
   std::uint64_t done_work_ = 0, skipped_work_ = 0;
   Clock::time_point begun_, shown_;

@@ -1,1 +1,12 @@
 hydrotin_test(las_test SOURCES las_test.cpp DEPENDS io core)
+hydrotin_test(las_damage_test SOURCES las_damage_test.cpp DEPENDS io core PRIVATE GDAL::GDAL)
+hydrotin_test(las_writer_test SOURCES las_writer_test.cpp DEPENDS io core PRIVATE GDAL::GDAL)
+# A program of its own: continuous integration runs it once more in a build with sanitizers.
+hydrotin_test(las_robustness_test SOURCES las_robustness_test.cpp DEPENDS io core PRIVATE GDAL::GDAL)
+
+find_package(benchmark QUIET)
+if(HYDROTIN_BENCHMARKS AND benchmark_FOUND)
+  add_executable(las_benchmark EXCLUDE_FROM_ALL las_benchmark.cpp)
+  target_compile_definitions(las_benchmark PRIVATE HYDROTIN_SHARED="${HYDROTIN_SHARED}")
+  target_link_libraries(las_benchmark PRIVATE hydrotin::io hydrotin::options benchmark::benchmark)
+endif()

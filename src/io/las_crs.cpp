@@ -7,11 +7,13 @@
 
 #include <array>
 #include <atomic>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 
 #include "hydrotin/error.h"
 #include "las_bytes.h"
+#include "las_crs_records.h"
 
 namespace hydrotin {
 namespace {
@@ -191,6 +193,41 @@ bool same_horizontal_crs(const std::string& wkt_a, const std::string& wkt_b) {
                                            "CRITERION=EQUIVALENT_EXCEPT_AXIS_ORDER_GEOGCRS",
                                            "IGNORE_COORDINATE_EPOCH=YES", nullptr};
   return a.IsSame(&b, options.data()) != 0;
+}
+
+std::string wkt_for_las14(const LasCrs& crs) {
+  const QuietGdal quiet;
+  OGRSpatialReference srs;
+  if (srs.importFromWkt(crs.wkt.c_str()) != OGRERR_NONE) return crs.wkt;
+  char* text = nullptr;
+  const std::array<const char*, 2> options{"FORMAT=WKT1_GDAL", nullptr};
+  const bool ok = srs.exportToWkt(&text, options.data()) == OGRERR_NONE && text != nullptr && *text != '\0';
+  std::string wkt = ok ? text : crs.wkt;
+  CPLFree(text);
+  return wkt;
+}
+
+std::vector<std::uint16_t> geokeys_for_las12(const LasCrs& crs) {
+  constexpr std::uint16_t kModelType = 1024, kGeographicType = 2048, kProjectedType = 3072, kVerticalType = 4096;
+  const QuietGdal quiet;
+  OGRSpatialReference srs;
+  if (crs.name.rfind("EPSG:", 0) != 0 || srs.importFromWkt(crs.wkt.c_str()) != OGRERR_NONE) return {};
+  const unsigned long code = std::strtoul(crs.name.c_str() + 5, nullptr, 10);
+  if (code == 0 || code > 32766 || (srs.IsProjected() == 0 && srs.IsGeographic() == 0)) return {};
+  const bool projected = srs.IsProjected() != 0;
+  std::vector<std::uint16_t> keys{1, 1, 0, 2};
+  const auto add = [&](std::uint16_t key, unsigned long value) {
+    keys.insert(keys.end(), {key, 0, 1, static_cast<std::uint16_t>(value)});
+  };
+  add(kModelType, projected ? 1 : 2);
+  add(projected ? kProjectedType : kGeographicType, code);
+  const char* vertical = srs.IsCompound() != 0 ? srs.GetAuthorityCode("VERT_CS") : nullptr;
+  const unsigned long vertical_code = vertical == nullptr ? 0 : std::strtoul(vertical, nullptr, 10);
+  if (vertical_code > 0 && vertical_code <= 32766) {
+    add(kVerticalType, vertical_code);
+    ++keys[3];
+  }
+  return keys;
 }
 
 }  // namespace hydrotin

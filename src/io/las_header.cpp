@@ -7,6 +7,7 @@
 #include "hydrotin/error.h"
 #include "hydrotin/las_crs.h"
 #include "las_bytes.h"
+#include "laz_layout.h"
 
 namespace hydrotin {
 namespace {
@@ -205,11 +206,14 @@ ParsedLas parse_las(const LasSource& source) {
   check_sane(source, header, header_bytes);
   header.extra_bytes =
       static_cast<std::uint16_t>(header.record_length - kFormatBytes[static_cast<std::size_t>(header.point_format)]);
-  header.compression = header.compressed ? "unknown" : "none";
 
   RecordReader reader(source, parsed);
   read_vlrs(source, header_bytes, parsed, reader);
   if (header.num_evlrs > 0) read_evlrs(source, evlrs_at, parsed, reader);
+  const bool has_laszip = header.compressed && parsed.laszip.size() >= 2;
+  header.compression = has_laszip          ? compressor_name(load<std::uint16_t>(parsed.laszip.data()))
+                       : header.compressed ? "unknown"
+                                           : "none";
   const bool wkt_first = (load<std::uint16_t>(b + 6) & 16U) != 0;
   const LasCrs crs = las_crs(reader.crs_records(), wkt_first);
   header.crs = crs.name;

@@ -32,7 +32,7 @@ std::vector<Wanted> items_of(const LasHeader& header) {
   return items;
 }
 
-const char* name_of(std::uint16_t kind) {
+std::string name_of(std::uint16_t kind) {
   switch (static_cast<LazItemKind>(kind)) {
     case LazItemKind::byte:
       return "BYTE";
@@ -55,7 +55,7 @@ const char* name_of(std::uint16_t kind) {
     case LazItemKind::byte14:
       return "BYTE14";
   }
-  return "unknown";
+  return "type " + std::to_string(kind);
 }
 
 // Version 2 of the layered items is what an early prototype called version 3.
@@ -127,11 +127,11 @@ LazLayout parse_laszip(std::span<const std::uint8_t> payload, const LasHeader& h
     const auto kind = load<std::uint16_t>(at), size = load<std::uint16_t>(at + 2),
                version = load<std::uint16_t>(at + 4);
     if (kind != static_cast<std::uint16_t>(wanted[i].kind) || size != wanted[i].size)
-      fail("LAZ item " + std::to_string(i + 1) + " is " + name_of(kind) + " of " + std::to_string(size) +
+      fail("LAZ item " + std::to_string(i + 1) + " is of " + name_of(kind) + " and " + std::to_string(size) +
            " bytes, but its points need " + name_of(static_cast<std::uint16_t>(wanted[i].kind)) + " of " +
            std::to_string(wanted[i].size) + " bytes");
     if (!known_version(wanted[i].kind, version))
-      fail(std::string("LAZ item ") + name_of(kind) + " in version " + std::to_string(version) + " cannot be read");
+      fail("LAZ item " + name_of(kind) + " in version " + std::to_string(version) + " cannot be read");
     layout.items.push_back({wanted[i].kind, size, version, begin});
     begin = static_cast<std::uint16_t>(begin + size);
   }

@@ -195,7 +195,7 @@ void finish_tile(const RunContext& context, std::uint32_t tile) {
   const std::vector<std::int32_t> level = levels_of(context, tile, part, is_outlet);
   const std::vector<std::int32_t>& height = context.options.pits.method == PitMethod::lift ? level : part.height;
   // The mesh first: the terrain file under its final name says that the unit is complete.
-  if (context.options.output.mesh_ply) write_mesh(context, tile, part, height);
+  if (context.options.output.mesh_ply && part.num_triangles() > 0) write_mesh(context, tile, part, height);
 
   store::Writer out(context.layout.unit(Phase::finish, tile));
   out.set("recipe", context.recipe(Phase::finish));

@@ -1,0 +1,1 @@
+hydrotin_test(synthetic_test SOURCES synthetic_test.cpp DEPENDS terrain)

@@ -1,0 +1,275 @@
+#include "config.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "hydrotin/crs.h"
+#include "hydrotin/error.h"
+
+namespace hydrotin::app {
+namespace {
+
+[[noreturn]] void fail(const std::string& place, const std::string& what) {
+  throw Error(ErrorKind::config, place + ": " + what);
+}
+
+std::optional<double> number_in(std::string_view text) {
+  double value = 0;
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (problem != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+/// A value with its path, read as what the schema says it is.
+class Reader {
+ public:
+  Reader(const ConfigValue* value, std::string name) : value_(value), name_(std::move(name)) {}
+
+  [[nodiscard]] bool is_given() const { return value_ != nullptr && value_->kind != ConfigValue::Kind::absent; }
+  [[nodiscard]] bool is(ConfigValue::Kind kind) const { return is_given() && value_->kind == kind; }
+  [[nodiscard]] const std::string& place() const { return value_->place; }
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[noreturn]] void refuse(const std::string& allowed) const {
+    const std::string shown = value_->kind == ConfigValue::Kind::scalar ? "'" + value_->text + "'"
+                              : value_->kind == ConfigValue::Kind::list ? "a list"
+                                                                        : "a section";
+    fail(value_->place, name_ + ": " + shown + " is not possible (allowed: " + allowed + ")");
+  }
+
+  /// Checks that the value is a section with no other keys than these.
+  void require_keys(const std::vector<std::string>& keys) const {
+    if (!is_given()) return;
+    std::string allowed;
+    for (const auto& key : keys) allowed += (allowed.empty() ? "" : ", ") + key;
+    if (value_->kind != ConfigValue::Kind::section) refuse("a section with " + allowed);
+    for (std::size_t i = 0; i < value_->entries.size(); ++i)
+      if (std::find(keys.begin(), keys.end(), value_->entries[i].first) == keys.end())
+        fail(value_->key_places[i], "unknown key '" + value_->entries[i].first + "'" +
+                                        (name_.empty() ? " in the config" : " in " + name_) + " (allowed: " + allowed +
+                                        ")");
+  }
+
+  [[nodiscard]] Reader at(const std::string& key) const {
+    const ConfigValue* entry = is_given() ? value_->find(key) : nullptr;
+    return {entry, name_.empty() ? key : name_ + "." + key};
+  }
+
+  [[nodiscard]] const std::string& text(const std::string& allowed) const {
+    if (value_->kind != ConfigValue::Kind::scalar || value_->text.empty()) refuse(allowed);
+    return value_->text;
+  }
+
+  [[nodiscard]] bool boolean() const {
+    if (value_->kind == ConfigValue::Kind::scalar && !value_->is_quoted) {
+      if (value_->text == "true") return true;
+      if (value_->text == "false") return false;
+    }
+    refuse("true, false");
+  }
+
+  [[nodiscard]] double real(double low, double high, const std::string& allowed) const {
+    const auto value =
+        value_->kind == ConfigValue::Kind::scalar && !value_->is_quoted ? number_in(value_->text) : std::nullopt;
+    if (!value || *value < low || *value > high) refuse(allowed);
+    return *value;
+  }
+
+  [[nodiscard]] std::uint64_t integer(std::uint64_t low, std::uint64_t high) const {
+    const std::string allowed = "an integer from " + std::to_string(low) + " to " + std::to_string(high);
+    const double value = real(static_cast<double>(low), static_cast<double>(high), allowed);
+    if (value != std::floor(value)) refuse(allowed);
+    return static_cast<std::uint64_t>(value);
+  }
+
+  /// The value's place among `names`.
+  [[nodiscard]] std::size_t choice(const std::vector<std::string>& names) const {
+    const auto found =
+        value_->kind == ConfigValue::Kind::scalar ? std::find(names.begin(), names.end(), value_->text) : names.end();
+    if (found == names.end()) {
+      std::string allowed;
+      for (const auto& one : names) allowed += (allowed.empty() ? "" : ", ") + one;
+      refuse(allowed);
+    }
+    return static_cast<std::size_t>(found - names.begin());
+  }
+
+  /// The items of a list; a single value is a list of one.
+  [[nodiscard]] std::vector<Reader> list(const std::string& allowed) const {
+    std::vector<Reader> items;
+    if (value_->kind == ConfigValue::Kind::section) refuse(allowed);
+    if (value_->kind == ConfigValue::Kind::scalar) return {*this};
+    for (const auto& item : value_->items) {
+      if (item.kind != ConfigValue::Kind::scalar)
+        fail(item.place, name_ + ": every item must be a plain value (allowed: " + allowed + ")");
+      items.emplace_back(&item, name_);
+    }
+    return items;
+  }
+
+  /// What a later version does and this one does not: refused, never passed over in silence.
+  void refuse_for_now(const std::string& key, const std::string& what) const {
+    const Reader entry = at(key);
+    if (entry.is_given()) fail(entry.place(), entry.name_ + ": this version does not " + what + " (remove the key)");
+  }
+
+ private:
+  const ConfigValue* value_;
+  std::string name_;
+};
+
+std::string resolved(const std::filesystem::path& folder, const std::string& path) {
+  if (path.starts_with("/vsi")) return path;
+  return (folder / path).lexically_normal().string();  // an absolute path stays what it is
+}
+
+void read_input(const Reader& input, const std::filesystem::path& folder, const std::string& file,
+                InputOptions& options) {
+  input.require_keys({"points", "classes", "rivers", "lakes", "crs", "withheld", "synthetic"});
+  input.refuse_for_now("rivers", "embed rivers");
+  input.refuse_for_now("lakes", "embed lakes");
+  const Reader points = input.at("points");
+  const std::string patterns = "a list of LAS or LAZ files or patterns";
+  if (!points.is_given())
+    fail(input.is_given() ? input.place() : file, "input.points is missing (give " + patterns + ")");
+  for (const Reader& item : points.list(patterns)) options.points.push_back(resolved(folder, item.text(patterns)));
+  if (options.points.empty()) points.refuse(patterns + " that is not empty");
+
+  if (const Reader classes = input.at("classes"); classes.is_given()) {
+    options.classes.clear();
+    const bool all = classes.is(ConfigValue::Kind::scalar) && classes.text("all") == "all";
+    const std::string allowed = "a list of class numbers from 0 to 255, or all";
+    if (!all) {
+      for (const Reader& item : classes.list(allowed)) {
+        const double value = item.real(0, 255, allowed);
+        if (value != std::floor(value)) item.refuse(allowed);
+        options.classes.push_back(static_cast<std::uint8_t>(value));
+      }
+      if (options.classes.empty()) classes.refuse(allowed);
+      std::sort(options.classes.begin(), options.classes.end());
+      options.classes.erase(std::unique(options.classes.begin(), options.classes.end()), options.classes.end());
+    }
+  }
+  if (const Reader crs = input.at("crs"); crs.is_given()) {
+    options.crs = crs.text("EPSG:n or WKT");
+    (void)parse_crs(options.crs, crs.place() + ": " + crs.name());
+  }
+  if (const Reader withheld = input.at("withheld"); withheld.is_given()) options.withheld = withheld.boolean();
+  if (const Reader synthetic = input.at("synthetic"); synthetic.is_given()) options.synthetic = synthetic.boolean();
+}
+
+void read_dem(const Reader& dem, DemOptions& options) {
+  if (!dem.is_given()) return;
+  if (dem.is(ConfigValue::Kind::scalar)) {
+    options.enabled = dem.boolean();
+    return;
+  }
+  dem.require_keys({"cell_m", "max_edge_m", "format", "hillshade"});
+  if (const Reader cell = dem.at("cell_m"); cell.is_given())
+    options.cell_m = cell.real(1e-3, 1e6, "a length in metres from 0.001 to 1000000");
+  if (const Reader edge = dem.at("max_edge_m"); edge.is_given())
+    options.max_edge_m = edge.real(0, 1e9, "a length in metres, or 0 for no limit");
+  if (const Reader format = dem.at("format"); format.is_given()) options.cog = format.choice({"COG", "tiles"}) == 0;
+  if (const Reader hillshade = dem.at("hillshade"); hillshade.is_given()) options.hillshade = hillshade.boolean();
+}
+
+void read_output(const Reader& output, const std::filesystem::path& folder, OutputOptions& options) {
+  output.require_keys({"dir", "dem", "mesh", "keep"});
+  options.dir = resolved(folder, "out");
+  if (const Reader dir = output.at("dir"); dir.is_given()) options.dir = resolved(folder, dir.text("a folder"));
+  read_dem(output.at("dem"), options.dem);
+  if (const Reader mesh = output.at("mesh"); mesh.is_given()) {
+    options.mesh_ply = false;
+    for (const Reader& item : mesh.list("ply")) options.mesh_ply = item.choice({"ply"}) == 0;
+  }
+  if (const Reader keep = output.at("keep"); keep.is_given()) {
+    constexpr KeepWork kValues[] = {KeepWork::never, KeepWork::on_failure, KeepWork::always};
+    options.keep = kValues[keep.choice({"never", "on-failure", "always"})];
+  }
+}
+
+void read_triangulation(const Reader& triangulation, TriangulationOptions& options) {
+  triangulation.require_keys({"order", "objective"});
+  if (const Reader order = triangulation.at("order"); order.is_given())
+    options.order = static_cast<int>(order.integer(0, 6));
+  if (const Reader objective = triangulation.at("objective"); objective.is_given()) {
+    constexpr Objective kValues[] = {Objective::delaunay, Objective::min_weight, Objective::local_minima};
+    options.objective = kValues[objective.choice({"delaunay", "min-weight", "local-minima"})];
+  }
+}
+
+void read_pits(const Reader& pits, PitOptions& options) {
+  pits.require_keys({"method", "outlets", "keep"});
+  pits.refuse_for_now("keep", "keep chosen pits");
+  if (const Reader method = pits.at("method"); method.is_given())
+    options.method = method.choice({"none", "lift"}) == 0 ? PitMethod::none : PitMethod::lift;
+  if (const Reader outlets = pits.at("outlets"); outlets.is_given())
+    options.outlets = outlets.choice({"hull", "lowest"}) == 0 ? OutletPolicy::hull : OutletPolicy::lowest;
+}
+
+void read_run(const Reader& run, const std::filesystem::path& folder, ExecutionOptions& options) {
+  run.require_keys({"workers", "memory", "scratch"});
+  if (const Reader workers = run.at("workers"); workers.is_given()) {
+    const bool automatic = workers.is(ConfigValue::Kind::scalar) && workers.text("auto") == "auto";
+    const std::string allowed = "auto, or an integer from 1 to 1024";
+    const double value = automatic ? 0 : workers.real(1, 1024, allowed);
+    if (value != std::floor(value)) workers.refuse(allowed);
+    options.workers = static_cast<int>(value);
+  }
+  if (const Reader memory = run.at("memory"); memory.is_given()) {
+    const std::string allowed = "a size of at least 64MiB, for example 4GiB or 500MB";
+    const auto bytes = parse_byte_count(memory.text(allowed));
+    if (!bytes || *bytes < std::uint64_t{64} << 20) memory.refuse(allowed);
+    options.memory_bytes = *bytes;
+  }
+  if (const Reader scratch = run.at("scratch"); scratch.is_given())
+    options.scratch = resolved(folder, scratch.text("a folder"));
+}
+
+}  // namespace
+
+std::optional<std::uint64_t> parse_byte_count(std::string_view text) {
+  static constexpr std::pair<std::string_view, double> kUnits[] = {{"", 1},
+                                                                   {"B", 1},
+                                                                   {"kB", 1e3},
+                                                                   {"KB", 1e3},
+                                                                   {"MB", 1e6},
+                                                                   {"GB", 1e9},
+                                                                   {"TB", 1e12},
+                                                                   {"KiB", 1024},
+                                                                   {"MiB", 1048576.0},
+                                                                   {"GiB", 1073741824.0},
+                                                                   {"TiB", 1099511627776.0}};
+  const std::size_t unit = std::min(text.find_first_not_of("0123456789.eE"), text.size());
+  const auto number = number_in(text.substr(0, unit));
+  std::string_view name = text.substr(unit);
+  while (!name.empty() && name.front() == ' ') name.remove_prefix(1);
+  for (const auto& [known, factor] : kUnits)
+    if (number && name == known && *number * factor < 9e18) return static_cast<std::uint64_t>(*number * factor);
+  return std::nullopt;
+}
+
+PipelineOptions read_config(const std::filesystem::path& path, std::span<const ConfigOverride> overrides) {
+  ConfigValue tree = read_config_tree(path);
+  for (const auto& override : overrides) apply_override(tree, override);
+  const Reader root(&tree, "");
+  root.require_keys({"input", "output", "tiles", "triangulation", "rivers", "pits", "run"});
+  root.refuse_for_now("rivers", "embed rivers");
+
+  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
+  PipelineOptions options;
+  read_input(root.at("input"), folder, path.string(), options.input);
+  read_output(root.at("output"), folder, options.output);
+  const Reader tiles = root.at("tiles");
+  tiles.require_keys({"target_points"});
+  if (const Reader target = tiles.at("target_points"); target.is_given())
+    options.tiles.target_points = target.integer(1000, 1'000'000'000);
+  read_triangulation(root.at("triangulation"), options.triangulation);
+  read_pits(root.at("pits"), options.pits);
+  read_run(root.at("run"), folder, options.run);
+  return options;
+}
+
+}  // namespace hydrotin::app

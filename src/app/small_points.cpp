@@ -1,0 +1,162 @@
+#include "small_points.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <numeric>
+
+#include "hydrotin/csv_points.h"
+#include "hydrotin/error.h"
+#include "hydrotin/hilbert.h"
+#include "hydrotin/las.h"
+
+namespace hydrotin::app {
+namespace {
+
+constexpr std::uint64_t kMaxPoints = 100'000'000;
+constexpr double kSpan = 4294967295.0;  // lattice steps between the ends of 32 bits
+
+/// 10^-decimals, also for negative decimals, as the nearest double.
+double step(int decimals) {
+  return decimals >= 0 ? 1 / std::pow(10.0, decimals) : std::pow(10.0, -decimals);
+}
+
+/// The value as a whole number of steps; exact when the value has at most `decimals` decimals and fits 64 bits.
+std::int64_t in_steps(double value, int decimals) {
+  const long double factor = std::pow(10.0L, static_cast<long double>(std::abs(decimals)));
+  return std::llround(decimals >= 0 ? static_cast<long double>(value) * factor
+                                    : static_cast<long double>(value) / factor);
+}
+
+/// As many of the wanted decimals as 32 bits (and exact integers on the way) allow.
+int affordable_decimals(int wanted, std::initializer_list<const std::vector<double>*> axes) {
+  for (int decimals = std::min(wanted, 300);; --decimals) {
+    bool fits = true;
+    for (const auto* values : axes) {
+      const auto [low, high] = std::minmax_element(values->begin(), values->end());
+      const double factor = 1 / step(decimals);
+      fits = fits && (*high - *low) * factor < kSpan - 2 && std::max(std::abs(*low), std::abs(*high)) * factor < 9e15;
+    }
+    if (fits) return decimals;
+  }
+}
+
+/// Base that brings the steps of one axis into 32 bits.
+std::int64_t base_of(const std::vector<std::int64_t>& steps) {
+  const auto [low, high] = std::minmax_element(steps.begin(), steps.end());
+  return *low + (*high - *low) / 2;
+}
+
+struct RawPoints {
+  std::vector<LatticePoint> position;
+  std::vector<std::int32_t> height;
+  std::vector<std::uint32_t> row;
+};
+
+RawPoints read_csv(const std::string& path, SmallPoints& points) {
+  const CsvPoints csv = read_csv_points(path);
+  points.num_rows = csv.x.size();
+  RawPoints raw;
+  if (csv.x.empty()) return raw;
+  if (csv.x.size() > kMaxPoints)
+    throw Error(ErrorKind::input, path + ": more than " + std::to_string(kMaxPoints) + " points (use hydrotin run)");
+  const int decimals_xy = affordable_decimals(csv.decimals_xy, {&csv.x, &csv.y});
+  const int decimals_z = affordable_decimals(csv.decimals_z, {&csv.z});
+  if (decimals_xy < csv.decimals_xy)
+    points.notes.push_back(fmt::format("x and y are rounded to {:g}: 32 bits hold no more", step(decimals_xy)));
+  if (decimals_z < csv.decimals_z)
+    points.notes.push_back(fmt::format("z is rounded to {:g}: 32 bits hold no more", step(decimals_z)));
+  std::array<std::vector<std::int64_t>, 3> steps;
+  const std::array<const std::vector<double>*, 3> axes{&csv.x, &csv.y, &csv.z};
+  std::array<std::int64_t, 3> base{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const double value : *axes[axis]) steps[axis].push_back(in_steps(value, axis == 2 ? decimals_z : decimals_xy));
+    base[axis] = base_of(steps[axis]);
+  }
+  points.lattice = {.scale_xy = step(decimals_xy),
+                    .scale_z = step(decimals_z),
+                    .base_x = base[0],
+                    .base_y = base[1],
+                    .base_z = base[2]};
+  for (std::size_t i = 0; i < csv.x.size(); ++i) {
+    raw.position.push_back(
+        {static_cast<std::int32_t>(steps[0][i] - base[0]), static_cast<std::int32_t>(steps[1][i] - base[1])});
+    raw.height.push_back(static_cast<std::int32_t>(steps[2][i] - base[2]));
+    raw.row.push_back(static_cast<std::uint32_t>(i));
+  }
+  return raw;
+}
+
+RawPoints read_las(const std::string& path, SmallPoints& points) {
+  const LasFile file(path);
+  const LasHeader& header = file.header();
+  if (header.scale[0] != header.scale[1])
+    throw Error(ErrorKind::input,
+                fmt::format("{}: x and y have different scales, {} and {} (rewrite the file with one scale)", path,
+                            header.scale[0], header.scale[1]));
+  if (header.point_count > kMaxPoints)
+    throw Error(ErrorKind::input, path + ": more than " + std::to_string(kMaxPoints) + " points (use hydrotin run)");
+  points.num_rows = header.point_count;
+  points.crs_wkt = header.crs_wkt;
+  points.lattice = {.scale_xy = header.scale[0],
+                    .scale_z = header.scale[2],
+                    .offset_x = header.offset[0],
+                    .offset_y = header.offset[1],
+                    .offset_z = header.offset[2]};
+  RawPoints raw;
+  PointBatch batch;
+  for (std::size_t chunk = 0; chunk < file.num_chunks(); ++chunk) {
+    file.decode(chunk, batch);
+    const auto first = static_cast<std::uint32_t>(file.chunk_first_point(chunk));
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      if ((batch.flags[i] & PointFlag::withheld) != 0) continue;
+      raw.position.push_back({batch.x[i], batch.y[i]});
+      raw.height.push_back(batch.z[i]);
+      raw.row.push_back(first + static_cast<std::uint32_t>(i));
+    }
+  }
+  if (raw.row.size() < points.num_rows)
+    points.notes.push_back(fmt::format("{} points are withheld and left out", points.num_rows - raw.row.size()));
+  return raw;
+}
+
+/// Of the points at one place the lowest stays, of equal ones the first; the rest in curve order.
+void keep_distinct(const RawPoints& raw, SmallPoints& points) {
+  std::vector<std::uint32_t> order(raw.row.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::vector<std::uint64_t> key;
+  key.reserve(order.size());
+  for (const LatticePoint p : raw.position) key.push_back(hilbert_key(p));
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::tuple(key[a], raw.height[a], raw.row[a]) < std::tuple(key[b], raw.height[b], raw.row[b]);
+  });
+  for (const std::uint32_t i : order) {
+    if (!points.position.empty() && points.position.back() == raw.position[i]) {
+      points.duplicates.emplace_back(raw.row[i], points.row.back());
+      continue;
+    }
+    points.position.push_back(raw.position[i]);
+    points.height.push_back(raw.height[i]);
+    points.row.push_back(raw.row[i]);
+  }
+  std::sort(points.duplicates.begin(), points.duplicates.end());
+}
+
+bool is_las(const std::string& path) {
+  if (path.starts_with("/vsi")) return path.ends_with(".las") || path.ends_with(".laz");
+  char magic[4] = {};
+  std::ifstream(path, std::ios::binary).read(magic, sizeof magic);
+  return std::string_view(magic, sizeof magic) == "LASF";
+}
+
+}  // namespace
+
+SmallPoints load_small_points(const std::string& path) {
+  SmallPoints points;
+  keep_distinct(is_las(path) ? read_las(path, points) : read_csv(path, points), points);
+  return points;
+}
+
+}  // namespace hydrotin::app

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hydrotin/lattice.h"
+
+namespace hydrotin::app {
+
+/// The points of a one-shot command: read from CSV, LAS or LAZ, put on a lattice, without duplicates, in curve order.
+struct SmallPoints {
+  Lattice lattice;
+  std::string crs_wkt;                                              ///< empty = unknown
+  std::uint64_t num_rows = 0;                                       ///< points in the input
+  std::vector<LatticePoint> position;                               ///< [n] distinct
+  std::vector<std::int32_t> height;                                 ///< [n]
+  std::vector<std::uint32_t> row;                                   ///< [n] 0-based input row
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;  ///< (dropped row, kept row): the lowest is kept
+  std::vector<std::string> notes;                                   ///< what was done to the coordinates, for people
+};
+
+/// LAS and LAZ are told from CSV by content; Withheld points are left out. A CSV's lattice is as fine as its decimals
+/// ask, or as 32 bits allow (then a note says so). Fails: Error(input).
+[[nodiscard]] SmallPoints load_small_points(const std::string& path);
+
+}  // namespace hydrotin::app

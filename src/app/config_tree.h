@@ -17,12 +17,12 @@ struct ConfigValue {
   enum class Kind : unsigned char { absent, scalar, list, section };
 
   Kind kind = Kind::absent;
-  std::string place;
-  std::string text;                                          ///< of a scalar
-  bool is_quoted = false;                                    ///< the scalar was written in quotes: text, never a number
-  std::vector<ConfigValue> items;                            ///< of a list
-  std::vector<std::pair<std::string, ConfigValue>> entries;  ///< of a section, in file order
-  std::vector<std::string> key_places;                       ///< of a section, one per entry
+  std::string place{};
+  std::string text{};                ///< of a scalar
+  bool is_quoted = false;            ///< the scalar was written in quotes: text, never a number
+  std::vector<ConfigValue> items{};  ///< of a list
+  std::vector<std::pair<std::string, ConfigValue>> entries{};  ///< of a section, in file order
+  std::vector<std::string> key_places{};                       ///< of a section, one per entry
 
   [[nodiscard]] const ConfigValue* find(const std::string& key) const;
 };

@@ -83,7 +83,7 @@ gdal::Dataset shrink(const std::filesystem::path& dem, GDALDatasetH source, std:
   const double factor = std::min(1.0, max_side / std::max(columns, rows));
   const gdal::MessageTrap trap;
   gdal::StringList arguments{"-of",
-                             "VRT",
+                             "MEM",
                              "-r",
                              "average",
                              "-outsize",
@@ -120,8 +120,8 @@ void write_geotiff(const std::filesystem::path& path, const RasterGrid& grid, st
   assert(grid.size() > 0 && value.size() == grid.size());
   FinishedFile file(path);
   const gdal::MessageTrap trap;
-  gdal::StringList options{"TILED=YES",        "BLOCKXSIZE=256", "BLOCKYSIZE=256",
-                           "COMPRESS=DEFLATE", "PREDICTOR=3",    "BIGTIFF=IF_SAFER"};
+  gdal::StringList options{"TILED=YES", "BLOCKXSIZE=256", "BLOCKYSIZE=256",  "COMPRESS=DEFLATE",
+                           "ZLEVEL=1",  "PREDICTOR=3",    "BIGTIFF=IF_SAFER"};
   gdal::Dataset dataset(GDALCreate(driver("GTiff"), file.temporary().c_str(), static_cast<int>(grid.num_columns),
                                    static_cast<int>(grid.num_rows), 1, GDT_Float32, options.get()));
   if (!dataset) trap.fail(ErrorKind::storage, path, "cannot be created");
@@ -192,6 +192,7 @@ void write_cloud_optimized_geotiff(const std::filesystem::path& path, std::span<
   gdal::StringList creation{"COMPRESS=DEFLATE",
                             "PREDICTOR=FLOATING_POINT",
                             "BLOCKSIZE=512",
+                            "LEVEL=1",
                             "OVERVIEWS=IGNORE_EXISTING",
                             "OVERVIEW_RESAMPLING=AVERAGE",
                             "BIGTIFF=IF_SAFER",
@@ -219,7 +220,7 @@ void write_hillshade(const std::filesystem::path& path, const std::filesystem::p
   for (const bool world : {true, false}) std::remove(sidecar(file.temporary(), world).c_str());
   {
     const gdal::MessageTrap trap;
-    gdal::StringList creation{"WORLDFILE=YES", "ZLEVEL=9"};
+    gdal::StringList creation{"WORLDFILE=YES", "ZLEVEL=6"};
     gdal::Dataset image(
         GDALCreateCopy(driver("PNG"), file.temporary().c_str(), shaded.get(), FALSE, creation.get(), nullptr, nullptr));
     if (!image) trap.fail(ErrorKind::storage, path, "cannot be written", "check the disk's free space");

@@ -1,0 +1,307 @@
+#include "config.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <thread>
+
+#include "hydrotin/error.h"
+#include "progress_display.h"
+#include "small_points.h"
+#include "temporary_folder.h"
+
+namespace hydrotin::app {
+namespace {
+
+using testing::read_text;
+using testing::TemporaryFolder;
+using testing::write_text;
+
+const std::string kMinimal = "input: {points: [\"tiles/*.laz\"]}\n";
+
+PipelineOptions options_of(const TemporaryFolder& folder, const std::string& text,
+                           const std::vector<std::string>& sets = {}) {
+  write_text(folder / "c.yaml", text);
+  std::vector<ConfigOverride> overrides;
+  for (const auto& set : sets) overrides.push_back(parse_override(set));
+  return read_config(folder / "c.yaml", overrides);
+}
+
+/// The message of the config error without the folder's name.
+std::string config_error(const std::string& text, const std::vector<std::string>& sets = {}) {
+  const TemporaryFolder folder;
+  try {
+    (void)options_of(folder, text, sets);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::config);
+    std::string message = error.what();
+    const std::string prefix = folder.path().string() + "/";
+    if (message.starts_with(prefix)) message.erase(0, prefix.size());
+    return message;
+  }
+  return "no error";
+}
+
+TEST(Config, Defaults_SuitClassifiedGround) {
+  const TemporaryFolder folder;
+  const PipelineOptions options = options_of(folder, kMinimal);
+  EXPECT_EQ(options.input.points, (std::vector<std::string>{(folder / "tiles/*.laz").string()}));
+  EXPECT_EQ(options.input.classes, (std::vector<std::uint8_t>{2}));
+  EXPECT_FALSE(options.input.withheld);
+  EXPECT_EQ(options.output.dir, (folder / "out").string());
+  EXPECT_TRUE(options.output.dem.enabled);
+  EXPECT_EQ(options.output.dem.cell_m, 1.0);
+  EXPECT_EQ(options.tiles.target_points, 4'000'000U);
+  EXPECT_EQ(options.triangulation.order, 2);
+  EXPECT_EQ(options.triangulation.objective, Objective::local_minima);
+  EXPECT_EQ(options.pits.method, PitMethod::lift);
+  EXPECT_EQ(options.pits.outlets, OutletPolicy::hull);
+  EXPECT_EQ(options.run.workers, 0);
+  EXPECT_EQ(options.run.memory_bytes, std::uint64_t{4} << 30);
+}
+
+TEST(Config, EveryKey_IsRead) {
+  const TemporaryFolder folder;
+  const PipelineOptions options = options_of(folder, R"(
+input:
+  points: [a.las, "/data/b*.laz", /vsis3/bucket/c.laz]
+  classes: [9, 2, 2]
+  crs: EPSG:2154
+  withheld: true
+  synthetic: false
+output:
+  dir: ../results
+  dem: {cell_m: 0.5, max_edge_m: 25, format: tiles, hillshade: false}
+  mesh: []
+  keep: always
+tiles: {target_points: 1000}
+triangulation: {order: 0, objective: min-weight}
+pits: {method: none, outlets: lowest}
+run: {workers: 3, memory: 500MB, scratch: /tmp/w}
+)");
+  EXPECT_EQ(options.input.points,
+            (std::vector<std::string>{(folder / "a.las").string(), "/data/b*.laz", "/vsis3/bucket/c.laz"}));
+  EXPECT_EQ(options.input.classes, (std::vector<std::uint8_t>{2, 9}));
+  EXPECT_EQ(options.input.crs, "EPSG:2154");
+  EXPECT_TRUE(options.input.withheld);
+  EXPECT_FALSE(options.input.synthetic);
+  EXPECT_EQ(options.output.dir, (folder.path().parent_path() / "results").string());
+  EXPECT_EQ(options.output.dem.cell_m, 0.5);
+  EXPECT_EQ(options.output.dem.max_edge_m, 25);
+  EXPECT_FALSE(options.output.dem.cog);
+  EXPECT_FALSE(options.output.dem.hillshade);
+  EXPECT_FALSE(options.output.mesh_ply);
+  EXPECT_EQ(options.output.keep, KeepWork::always);
+  EXPECT_EQ(options.tiles.target_points, 1000U);
+  EXPECT_EQ(options.triangulation.order, 0);
+  EXPECT_EQ(options.triangulation.objective, Objective::min_weight);
+  EXPECT_EQ(options.pits.method, PitMethod::none);
+  EXPECT_EQ(options.pits.outlets, OutletPolicy::lowest);
+  EXPECT_EQ(options.run.workers, 3);
+  EXPECT_EQ(options.run.memory_bytes, 500'000'000U);
+  EXPECT_EQ(options.run.scratch, "/tmp/w");
+}
+
+TEST(Config, Errors_NameLineAndColumn) {
+  EXPECT_EQ(
+      config_error("input:\n  points: a.laz\n  clases: [2]\n"),
+      "c.yaml:3:3: unknown key 'clases' in input (allowed: points, classes, rivers, lakes, crs, withheld, synthetic)");
+  EXPECT_EQ(config_error(kMinimal + "triangulation:\n  order: two\n"),
+            "c.yaml:3:10: triangulation.order: 'two' is not possible (allowed: an integer from 0 to 6)");
+  EXPECT_EQ(config_error(kMinimal + "triangulation: {order: 7}\n"),
+            "c.yaml:2:24: triangulation.order: '7' is not possible (allowed: an integer from 0 to 6)");
+  EXPECT_EQ(config_error(kMinimal + "triangulation: {order: 1.5}\n"),
+            "c.yaml:2:24: triangulation.order: '1.5' is not possible (allowed: an integer from 0 to 6)");
+  EXPECT_EQ(config_error(kMinimal + "triangulation: {order: \"2\"}\n"),
+            "c.yaml:2:24: triangulation.order: '2' is not possible (allowed: an integer from 0 to 6)");
+  EXPECT_EQ(config_error(kMinimal + "triangulation: {order: [2]}\n"),
+            "c.yaml:2:24: triangulation.order: a list is not possible (allowed: an integer from 0 to 6)");
+  EXPECT_EQ(
+      config_error(kMinimal + "triangulation: {objective: best}\n"),
+      "c.yaml:2:28: triangulation.objective: 'best' is not possible (allowed: delaunay, min-weight, local-minima)");
+  EXPECT_EQ(config_error(kMinimal + "triangulation: 3\n"),
+            "c.yaml:2:16: triangulation: '3' is not possible (allowed: a section with order, objective)");
+  EXPECT_EQ(config_error(kMinimal + "output: {dem: {cell_m: -1}}\n"),
+            "c.yaml:2:24: output.dem.cell_m: '-1' is not possible (allowed: a length in metres from 0.001 to 1000000)");
+  EXPECT_EQ(config_error(kMinimal + "output: {dem: {cell_m: nan}}\n").rfind("c.yaml:2:24: ", 0), 0U);
+  EXPECT_EQ(config_error(kMinimal + "output: {dem: {hillshade: yes}}\n"),
+            "c.yaml:2:27: output.dem.hillshade: 'yes' is not possible (allowed: true, false)");
+  EXPECT_EQ(
+      config_error(kMinimal + "run: {memory: 4Gib}\n").rfind("c.yaml:2:15: run.memory: '4Gib' is not possible", 0), 0U);
+  EXPECT_EQ(config_error(kMinimal + "run: {memory: 1MiB}\n").rfind("c.yaml:2:15: ", 0), 0U);
+  EXPECT_EQ(config_error(kMinimal + "run: {workers: 0}\n"),
+            "c.yaml:2:16: run.workers: '0' is not possible (allowed: auto, or an integer from 1 to 1024)");
+  EXPECT_EQ(config_error(kMinimal + "surprise: 1\n"),
+            "c.yaml:2:1: unknown key 'surprise' in the config (allowed: input, output, tiles, triangulation, rivers, "
+            "pits, run)");
+  EXPECT_EQ(config_error("input:\n  points: [a.laz, [b]]\n").rfind("c.yaml:2:19: input.points: every item", 0), 0U);
+  EXPECT_EQ(config_error("input: {points: []}\n").rfind("c.yaml:1:17: input.points: a list is not possible", 0), 0U);
+  EXPECT_EQ(config_error("input: {points: a.laz, classes: [2, 256]}\n").rfind("c.yaml:1:37: input.classes: '256'", 0),
+            0U);
+  EXPECT_EQ(config_error("input: {points: a.laz, crs: Mars}\n").rfind("c.yaml:1:29: input.crs: 'Mars' names no", 0),
+            0U);
+  EXPECT_EQ(config_error("input: {points: a.laz, points: b.laz}\n"), "c.yaml:1:24: the key 'points' stands here twice");
+  EXPECT_EQ(config_error("input: {classes: [2]}\n").rfind("c.yaml:1:8: input.points is missing", 0), 0U);
+  EXPECT_EQ(config_error("").rfind("c.yaml: input.points is missing", 0), 0U);
+  EXPECT_EQ(config_error("- a\n- b\n"), "c.yaml:1:1: a config is sections of 'key: value' lines");
+  EXPECT_EQ(config_error("input: {points: a.laz\n").rfind("c.yaml:2:1: is not YAML: ", 0), 0U);
+  EXPECT_EQ(config_error(kMinimal + "---\nrun: {}\n").find("a second YAML document") == std::string::npos, false);
+}
+
+TEST(Config, WhatThisVersionCannotDo_IsRefused) {
+  EXPECT_EQ(config_error("input: {points: a.laz, rivers: r.gpkg}\n"),
+            "c.yaml:1:32: input.rivers: this version does not embed rivers (remove the key)");
+  EXPECT_EQ(config_error(kMinimal + "rivers: {variant: VFRS}\n"),
+            "c.yaml:2:9: rivers: this version does not embed rivers (remove the key)");
+  EXPECT_EQ(config_error(kMinimal + "pits: {method: least-change}\n"),
+            "c.yaml:2:16: pits.method: 'least-change' is not possible (allowed: none, lift)");
+  EXPECT_EQ(config_error("input: {points: a.laz, rivers: }\n"), "no error");
+}
+
+TEST(Config, Set_OverridesAndIsNamedInErrors) {
+  const TemporaryFolder folder;
+  const auto options = options_of(folder, kMinimal + "triangulation: {order: 3}\noutput: {dem: false}\n",
+                                  {"triangulation.order=4", "input.classes=[2, 9]", "output.dem.cell_m=2",
+                                   "run.memory=2GiB", "output.dir=elsewhere", "triangulation.order=5"});
+  EXPECT_EQ(options.triangulation.order, 5) << "the last one wins";
+  EXPECT_EQ(options.input.classes, (std::vector<std::uint8_t>{2, 9}));
+  EXPECT_TRUE(options.output.dem.enabled);
+  EXPECT_EQ(options.output.dem.cell_m, 2);
+  EXPECT_EQ(options.run.memory_bytes, std::uint64_t{2} << 30);
+  EXPECT_EQ(options.output.dir, (folder / "elsewhere").string());
+
+  EXPECT_EQ(config_error(kMinimal, {"triangulation.order=9"}),
+            "--set triangulation.order: triangulation.order: '9' is not possible (allowed: an integer from 0 to 6)");
+  EXPECT_EQ(config_error(kMinimal, {"triangulation.ordr=1"}),
+            "--set triangulation.ordr: unknown key 'ordr' in triangulation (allowed: order, objective)");
+  EXPECT_EQ(
+      config_error(kMinimal, {"triangulation={order: 9}"}).rfind("--set triangulation: triangulation.order: '9'", 0),
+      0U);
+  EXPECT_EQ(config_error(kMinimal, {"nonsense"}).rfind("--set nonsense: must be key=value", 0), 0U);
+  EXPECT_EQ(config_error(kMinimal, {"=1"}).rfind("--set =1: must be key=value", 0), 0U);
+  EXPECT_EQ(config_error(kMinimal, {"a..b=1"}).rfind("--set a..b: the key must be names", 0), 0U);
+  EXPECT_EQ(config_error(kMinimal, {"input.classes=[2"}).rfind("--set input.classes: is not YAML", 0), 0U);
+  EXPECT_EQ(config_error(kMinimal, {"input.points="}).rfind("c.yaml:1:8: input.points is missing", 0), 0U);
+}
+
+TEST(Config, UnreadableFiles_AreConfigErrors) {
+  const TemporaryFolder folder;
+  for (const auto& path : {folder / "none.yaml", folder.path()}) {
+    try {
+      (void)read_config(path);
+      ADD_FAILURE() << "no error";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::config);
+    }
+  }
+}
+
+TEST(Config, AliasesThatExplode_AreRefused) {
+  std::string bomb = "a0: &a0 [x, x, x, x, x, x, x, x, x, x]\n";
+  for (int i = 1; i < 12; ++i) {
+    const std::string below = "*a" + std::to_string(i - 1);
+    bomb += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + below;
+    for (int j = 0; j < 9; ++j) bomb += ", " + below;
+    bomb += "]\n";
+  }
+  EXPECT_NE(config_error(bomb).find("too much nested or repeated content"), std::string::npos);
+  EXPECT_NE(config_error("input: " + std::string(100'000, '[')), "no error");
+}
+
+TEST(Config, ByteCounts) {
+  EXPECT_EQ(parse_byte_count("4GiB"), std::uint64_t{4} << 30);
+  EXPECT_EQ(parse_byte_count("500MB"), 500'000'000U);
+  EXPECT_EQ(parse_byte_count("1.5 GB"), 1'500'000'000U);
+  EXPECT_EQ(parse_byte_count("1048576"), 1'048'576U);
+  EXPECT_EQ(parse_byte_count("1e9"), 1'000'000'000U);
+  for (const char* text : {"", "GiB", "-1GB", "4 Gib", "4GiB5", "nan", "1e30TB", "0x10"})
+    EXPECT_FALSE(parse_byte_count(text)) << text;
+}
+
+TEST(ProgressDisplay, PlainLinesAndEvents) {
+  const TemporaryFolder folder;
+  std::FILE* out = std::fopen((folder / "out").c_str(), "w");
+  {
+    ProgressDisplay display(out, false, folder / "work/events.jsonl", 0);
+    display.phase_begins(Phase::ingest, 2, 2'000'000);
+    display.unit_done(Phase::ingest, 0, 1'000'000, true);
+    display.unit_done(Phase::ingest, 1, 1'000'000, false);
+    display.phase_ends(Phase::ingest, 2.0);
+    display.note("a \"note\"");
+  }
+  std::fclose(out);
+  EXPECT_EQ(read_text(folder / "out"),
+            "ingest       1/2 units\ningest       2/2 units\n"
+            "ingest       2 units, 1 of them from before in 2.0 s, 0.50 M points/s\nnote: a \"note\"\n");
+  const std::string events = read_text(folder / "work/events.jsonl");
+  EXPECT_EQ(std::count(events.begin(), events.end(), '\n'), 5);
+  EXPECT_NE(events.find(R"("event":"unit_done","phase":"ingest","unit":1,"work":1000000,"skipped":false})"),
+            std::string::npos);
+  EXPECT_NE(events.find(R"("event":"note","text":"a \"note\""})"), std::string::npos);
+}
+
+TEST(ProgressDisplay, Bar_ShowsRateAndTimeLeft) {
+  const TemporaryFolder folder;
+  std::FILE* out = std::fopen((folder / "out").c_str(), "w");
+  {
+    ProgressDisplay display(out, true, "");
+    display.phase_begins(Phase::finish, 4, 40'000'000);
+    std::this_thread::sleep_for(std::chrono::milliseconds(600));
+    display.unit_done(Phase::finish, 3, 10'000'000, false);
+  }
+  std::fclose(out);
+  const std::string text = read_text(folder / "out");
+  EXPECT_NE(text.find("finish       [#######.......................] 1/4 units"), std::string::npos) << text;
+  EXPECT_NE(text.find("M points/s  ETA 0:0"), std::string::npos) << text;
+  EXPECT_TRUE(text.ends_with("\r\033[K")) << "the bar is gone at the end";
+  EXPECT_EQ(as_duration(59.2), "1:00");
+  EXPECT_EQ(as_duration(3725), "1:02:05");
+  EXPECT_EQ(as_duration(std::nan("")), "?");
+}
+
+TEST(ProgressDisplay, EventsThatCannotBeWritten_AreAStorageError) {
+  const TemporaryFolder folder;
+  write_text(folder / "file", "");
+  ProgressDisplay display(nullptr, false, folder / "file" / "events.jsonl");
+  EXPECT_THROW(display.note("x"), Error);
+}
+
+TEST(SmallPoints, Csv_GoesOnItsOwnLattice) {
+  const TemporaryFolder folder;
+  write_text(
+      folder / "p.csv",
+      "x,y,z\n700000.10,6600000.25,1.125\n700000.1,6600000.25,1.0\n699999,6600001,-3\n700000.10,6600000.25,1.0\n");
+  const SmallPoints points = load_small_points(folder / "p.csv");
+  EXPECT_EQ(points.num_rows, 4U);
+  ASSERT_EQ(points.position.size(), 2U);
+  EXPECT_EQ(points.duplicates, (std::vector<std::pair<std::uint32_t, std::uint32_t>>{{0, 1}, {3, 1}}))
+      << "the lowest, then the first, is kept";
+  for (std::size_t i = 0; i < 2; ++i) {
+    const bool first = points.row[i] == 1;
+    EXPECT_DOUBLE_EQ(points.lattice.x(points.position[i].x), first ? 700000.10 : 699999);
+    EXPECT_DOUBLE_EQ(points.lattice.y(points.position[i].y), first ? 6600000.25 : 6600001);
+    EXPECT_DOUBLE_EQ(points.lattice.z(points.height[i]), first ? 1 : -3);
+  }
+  EXPECT_TRUE(points.notes.empty());
+}
+
+TEST(SmallPoints, TooManyDecimals_AreRoundedWithANote) {
+  const TemporaryFolder folder;
+  write_text(folder / "p.csv", "x,y,z\n0.1234567890123456,0.5,1e-20\n0.9,0.25,1\n1e3,-7,0\n");
+  const SmallPoints points = load_small_points(folder / "p.csv");
+  ASSERT_EQ(points.position.size(), 3U);
+  EXPECT_EQ(points.notes.size(), 2U);
+  for (std::size_t i = 0; i < 3; ++i)
+    if (points.row[i] == 0) {
+      EXPECT_NEAR(points.lattice.x(points.position[i].x), 0.1234567890123456, 0.51e-6);
+    }
+}
+
+TEST(SmallPoints, HugeCoordinates_FitByCoarserSteps) {
+  const TemporaryFolder folder;
+  write_text(folder / "p.csv", "x,y,z\n0,0,0\n1e300,0,1e300\n0,1e12,5\n");
+  EXPECT_EQ(load_small_points(folder / "p.csv").notes.size(), 2U);
+}
+
+}  // namespace
+}  // namespace hydrotin::app

@@ -122,7 +122,7 @@ struct LasFile::Impl {
   mutable Pool<std::vector<std::uint8_t>> buffers;
 
   void open();
-  void check_plain() const;
+  void check_plain();
   [[noreturn]] void fail_chunk(std::size_t chunk) const;
   [[nodiscard]] std::uint64_t first_point(std::size_t chunk) const;
   template <class Sink>
@@ -150,12 +150,16 @@ void LasFile::Impl::open() {
   sequential = std::make_unique<LazSequential>(source, layout, begin, chunked ? chunk_points : header.point_count);
 }
 
-void LasFile::Impl::check_plain() const {
+void LasFile::Impl::check_plain() {
   const std::uint64_t present = (source.size() - header.offset_to_points) / header.record_length;
   if (present < header.point_count)
     throw Error(ErrorKind::input, source.path() + ": declares " + std::to_string(header.point_count) +
                                       " points, but only " + std::to_string(present) +
                                       " are there: the file was cut off (get it again)");
+  // LAS 1.3 may keep waveforms behind the points, LAS 1.4 extended records.
+  if (present > header.point_count && header.version_minor != 3 && header.num_evlrs == 0)
+    header.warnings.push_back("declares " + std::to_string(header.point_count) + " points, but has room for " +
+                              std::to_string(present) + ": was its writer interrupted?");
 }
 
 void LasFile::Impl::fail_chunk(std::size_t chunk) const {

@@ -183,7 +183,14 @@ bool LasFile::Impl::decode_laz(std::size_t chunk, std::uint64_t count, Sink& sin
   auto buffer = buffers.borrow([] { return std::make_unique<std::vector<std::uint8_t>>(); });
   const std::size_t padding = is_layered ? LayeredDecoder::kPadding : PointwiseDecoder::padding(header.record_length);
   buffer->resize(bytes + padding);
-  source.read(begin, buffer->data(), bytes);
+  const std::size_t head = is_layered && !sink.whole_records() ? LayeredDecoder::head_bytes(layout) : 0;
+  if (head > 0 && head < bytes) {  // of layers that nobody wants, not a byte is read
+    source.read(begin, buffer->data(), head);
+    const std::uint64_t front = std::min<std::uint64_t>(bytes, LayeredDecoder::front_bytes(layout, buffer->data()));
+    source.read(begin + head, buffer->data() + head, static_cast<std::size_t>(front) - head);
+  } else {
+    source.read(begin, buffer->data(), bytes);
+  }
   std::memset(buffer->data() + bytes, 0, padding);
   const std::uint8_t* const data = buffer->data();
   bool ok = false;

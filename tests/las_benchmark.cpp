@@ -3,7 +3,6 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
-#include <iostream>
 #include <string>
 #include <thread>
 #include <vector>

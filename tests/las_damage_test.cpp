@@ -187,6 +187,16 @@ TEST(LasHeader, LegacyCountServesWhereTheLongOneIsZero) {
   EXPECT_EQ(LasFile(file.path()).header().point_count, 2U);
 }
 
+TEST(LasHeader, MorePointsThanDeclaredAreWorthAWarning) {
+  Bytes h = header_only(2, 1, 28, 1);
+  h.resize(h.size() + 28 * 5);
+  const MemoryFile file("more.las", h);
+  const LasFile las(file.path());
+  EXPECT_EQ(las.header().point_count, 1U);
+  ASSERT_EQ(las.header().warnings.size(), 1U);
+  EXPECT_NE(las.header().warnings[0].find("declares 1 points, but has room for 5"), std::string::npos);
+}
+
 // --- chunk tables ------------------------------------------------------------------------------------------------
 
 TEST(LazChunkTable, WhereStreamedWritersPutIt) {

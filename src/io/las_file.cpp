@@ -122,7 +122,7 @@ struct LasFile::Impl {
   mutable Pool<std::vector<std::uint8_t>> buffers;
 
   void open();
-  void check_plain() const;
+  void check_plain();
   [[noreturn]] void fail_chunk(std::size_t chunk) const;
   [[nodiscard]] std::uint64_t first_point(std::size_t chunk) const;
   template <class Sink>
@@ -150,12 +150,16 @@ void LasFile::Impl::open() {
   sequential = std::make_unique<LazSequential>(source, layout, begin, chunked ? chunk_points : header.point_count);
 }
 
-void LasFile::Impl::check_plain() const {
+void LasFile::Impl::check_plain() {
   const std::uint64_t present = (source.size() - header.offset_to_points) / header.record_length;
   if (present < header.point_count)
     throw Error(ErrorKind::input, source.path() + ": declares " + std::to_string(header.point_count) +
                                       " points, but only " + std::to_string(present) +
                                       " are there: the file was cut off (get it again)");
+  // LAS 1.3 may keep waveforms behind the points, LAS 1.4 extended records.
+  if (present > header.point_count && header.version_minor != 3 && header.num_evlrs == 0)
+    header.warnings.push_back("declares " + std::to_string(header.point_count) + " points, but has room for " +
+                              std::to_string(present) + ": was its writer interrupted?");
 }
 
 void LasFile::Impl::fail_chunk(std::size_t chunk) const {
@@ -179,7 +183,14 @@ bool LasFile::Impl::decode_laz(std::size_t chunk, std::uint64_t count, Sink& sin
   auto buffer = buffers.borrow([] { return std::make_unique<std::vector<std::uint8_t>>(); });
   const std::size_t padding = is_layered ? LayeredDecoder::kPadding : PointwiseDecoder::padding(header.record_length);
   buffer->resize(bytes + padding);
-  source.read(begin, buffer->data(), bytes);
+  const std::size_t head = is_layered && !sink.whole_records() ? LayeredDecoder::head_bytes(layout) : 0;
+  if (head > 0 && head < bytes) {  // of layers that nobody wants, not a byte is read
+    source.read(begin, buffer->data(), head);
+    const std::uint64_t front = std::min<std::uint64_t>(bytes, LayeredDecoder::front_bytes(layout, buffer->data()));
+    source.read(begin + head, buffer->data() + head, static_cast<std::size_t>(front) - head);
+  } else {
+    source.read(begin, buffer->data(), bytes);
+  }
   std::memset(buffer->data() + bytes, 0, padding);
   const std::uint8_t* const data = buffer->data();
   bool ok = false;

@@ -191,6 +191,12 @@ std::size_t LayeredDecoder::head_bytes(const LazLayout& layout) {
   return layout.record_length + 4 + 4 * num_layers(layout);
 }
 
+std::uint64_t LayeredDecoder::front_bytes(const LazLayout& layout, const std::uint8_t* head) {
+  std::uint64_t bytes = head_bytes(layout);
+  for (std::size_t i = 0; i <= flags_layer; ++i) bytes += load<std::uint32_t>(head + layout.record_length + 4 + 4 * i);
+  return bytes;
+}
+
 LayeredDecoder::LayeredDecoder(const LazLayout& layout) : state_(std::make_unique<State>()) {
   state_->record_length = layout.record_length;
   state_->head_bytes = head_bytes(layout);

@@ -21,13 +21,16 @@ class LayeredDecoder {
   // Bytes of a chunk before its layers, and how many layers it has.
   [[nodiscard]] static std::size_t num_layers(const LazLayout& layout);
   [[nodiscard]] static std::size_t head_bytes(const LazLayout& layout);
+  // Bytes of a chunk, from its head on, that hold all layers of x, y, z, class and flags: they come first.
+  [[nodiscard]] static std::uint64_t front_bytes(const LazLayout& layout, const std::uint8_t* head);
 
   explicit LayeredDecoder(const LazLayout& layout);
   ~LayeredDecoder();
   LayeredDecoder(const LayeredDecoder&) = delete;
   LayeredDecoder& operator=(const LayeredDecoder&) = delete;
 
-  // Begins a chunk of `count` points; `fields` besides x, y, z and returns, or all of the record. False: it is damaged.
+  // Begins a chunk of `count` points; `fields` besides x, y, z and returns, or all of the record. Without the whole
+  // records only the front of the chunk is looked at. False: it is damaged.
   [[nodiscard]] bool start(const std::uint8_t* data, const std::uint8_t* end, std::uint64_t count, PointFields fields,
                            bool whole_records);
   // Decodes the next `count` records; what was not asked for keeps some older value. False: the data are damaged.

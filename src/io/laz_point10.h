@@ -13,8 +13,8 @@
 namespace hydrotin {
 
 // Contexts of version 2: which return of how many, folded to 16; rows are the number of returns.
-inline constexpr std::array<std::array<char, 9>, 8> kReturnContext10{
-    {"ponmlkji", "oabdgkkj", "nbcehllk", "mdefimml", "lghijnnm", "kklmnoon", "jklmnopo", "ijklmnop"}};
+inline constexpr char kReturnContext10[8][9] = {"ponmlkji", "oabdgkkj", "nbcehllk", "mdefimml",
+                                                "lghijnnm", "kklmnoon", "jklmnopo", "ijklmnop"};
 
 class Point10V2Decoder {
  public:

@@ -54,11 +54,11 @@ struct LasHeader {
 };
 
 /// Bits of PointBatch::flags.
-enum PointFlag : std::uint8_t {
-  synthetic = 1,
-  key_point = 2,
-  withheld = 4,  ///< deleted: not to be used
-  overlap = 8,   ///< formats 6 to 10 only; older formats say class 12
+struct PointFlag {
+  static constexpr std::uint8_t synthetic = 1;
+  static constexpr std::uint8_t key_point = 2;
+  static constexpr std::uint8_t withheld = 4;  ///< deleted: not to be used
+  static constexpr std::uint8_t overlap = 8;   ///< formats 6 to 10 only; older formats say class 12
 };
 
 /// What to decode besides x, y, z. In layered files the layers of what is not asked for are not decoded.

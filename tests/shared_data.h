@@ -8,9 +8,13 @@
 /// The real data beside the checkout.
 namespace hydrotin::testing {
 
-inline std::string shared_path(const std::string& name) { return std::string(HYDROTIN_SHARED) + "/data/" + name; }
+inline std::string shared_path(const std::string& name) {
+  return std::string(HYDROTIN_SHARED) + "/data/" + name;
+}
 
-inline bool has_shared_data() { return std::filesystem::exists(shared_path("MANIFEST.md")); }
+inline bool has_shared_data() {
+  return std::filesystem::exists(shared_path("MANIFEST.md"));
+}
 
 }  // namespace hydrotin::testing
 

@@ -40,7 +40,21 @@ void PieceWriter::add_border(PointId a, PointId b, std::uint32_t piece) {
   border_piece_.push_back(piece);
 }
 
+void PieceWriter::add_hull(PointId origin, PointId target, std::uint32_t piece) {
+  hull_.push_back({piece, origin, target});
+}
+
 void PieceWriter::write(store::Writer& out) const {
+  std::vector<HullEdge> hull = hull_;
+  std::sort(hull.begin(), hull.end());
+  std::vector<std::uint32_t> hull_piece;
+  std::vector<std::uint64_t> hull_edge;
+  for (const HullEdge& e : hull) {
+    hull_piece.push_back(e.piece);
+    hull_edge.insert(hull_edge.end(), {e.origin.value, e.target.value});
+  }
+  out.append("piece_hull_piece", hull_piece, "piece of each hull edge, ascending");
+  out.append("piece_hull_edge", hull_edge, "directed edges of the hull at pieces, as pairs of points");
   out.append("piece_vertex_begin", vertex_begin_, "first vertex of each piece");
   out.append("piece_point", point_, "tile << 32 | index");
   out.append("piece_xyz", xyz_);
@@ -68,6 +82,12 @@ PieceReader::PieceReader(const store::Reader& in)
       delaunay_(in.read<std::uint32_t>("piece_delaunay")),
       others_(in.read<std::uint32_t>("piece_others")) {
   others_order_ = in.read<std::uint8_t>("piece_others_order");
+  const auto hull_piece = in.read<std::uint32_t>("piece_hull_piece");
+  const auto hull_edge = in.read<std::uint64_t>("piece_hull_edge");
+  if (hull_edge.size() != 2 * hull_piece.size() || !std::is_sorted(hull_piece.begin(), hull_piece.end()))
+    throw damaged(path_);
+  for (std::size_t i = 0; i < hull_piece.size(); ++i)
+    hull_.push_back({hull_piece[i], PointId(hull_edge[2 * i]), PointId(hull_edge[2 * i + 1])});
   if (vertex_begin_.size() != delaunay_begin_.size() || others_begin_.size() != delaunay_begin_.size() ||
       xyz_.size() != 3 * point_.size() || wants_.size() != point_.size() || delaunay_.size() != 3 * fixed_.size() ||
       others_.size() != 3 * others_order_.size())
@@ -98,6 +118,9 @@ Piece PieceReader::piece(std::uint32_t number) const {
   const std::uint32_t c0 = others_begin_[number], c1 = others_begin_[number + 1];
   out.others = triangles(others_, c0, c1, out.vertex.size());
   out.others_order.assign(others_order_.begin() + c0, others_order_.begin() + c1);
+  const auto by_piece = [](const HullEdge& a, const HullEdge& b) { return a.piece < b.piece; };
+  const auto [first, last] = std::equal_range(hull_.begin(), hull_.end(), HullEdge{number, {}, {}}, by_piece);
+  for (auto e = first; e != last; ++e) out.hull.push_back({e->origin, e->target});
   return out;
 }
 

@@ -30,6 +30,7 @@ struct Piece {
   std::vector<std::uint8_t> fixed;                     ///< [T] bit i: side i is fixed
   std::vector<std::array<std::uint32_t, 3>> others;    ///< [C]
   std::vector<std::uint8_t> others_order;              ///< [C]
+  std::vector<std::array<PointId, 2>> hull;            ///< its directed edges on the convex hull
 };
 
 /// An edge between a piece of this tile and one of another.
@@ -39,12 +40,20 @@ struct BorderEdge {
   friend auto operator<=>(const BorderEdge&, const BorderEdge&) = default;
 };
 
+/// A directed edge of the convex hull at a piece.
+struct HullEdge {
+  std::uint32_t piece = 0;
+  PointId origin, target;
+  friend auto operator<=>(const HullEdge&, const HullEdge&) = default;
+};
+
 /// Collects pieces and writes them as flat arrays.
 class PieceWriter {
  public:
   /// Returns the piece's number.
   std::uint32_t add(const Piece& piece);
   void add_border(PointId a, PointId b, std::uint32_t piece);
+  void add_hull(PointId origin, PointId target, std::uint32_t piece);
   void write(store::Writer& out) const;
 
  private:
@@ -55,6 +64,7 @@ class PieceWriter {
   std::vector<std::uint32_t> delaunay_, others_;
   std::vector<std::uint64_t> border_a_, border_b_;
   std::vector<std::uint32_t> border_piece_;
+  std::vector<HullEdge> hull_;
 };
 
 /// All pieces of one tile, as they lie in its file.
@@ -75,6 +85,7 @@ class PieceReader {
   std::vector<std::int32_t> xyz_;
   std::vector<std::uint8_t> wants_, fixed_, others_order_;
   std::vector<std::uint32_t> delaunay_, others_;
+  std::vector<HullEdge> hull_;  // by piece
 };
 
 /// What `join` needs of a tile: triangles per piece, and the border edges.

@@ -114,13 +114,8 @@ class SeamOutput {
       }
   }
 
-  // Hull edges of the tiles that the polygons have pieces in, as far as both ends occur here.
-  void add_hull(const std::vector<std::uint64_t>& hull_edge) {
-    for (std::size_t i = 0; i + 1 < hull_edge.size(); i += 2)
-      if (number_.contains(hull_edge[i]) && number_.contains(hull_edge[i + 1])) {
-        hull_edge_.push_back(hull_edge[i]);
-        hull_edge_.push_back(hull_edge[i + 1]);
-      }
+  void add_hull(const Piece& piece) {
+    for (const auto& edge : piece.hull) hull_edge_.insert(hull_edge_.end(), {edge[0].value, edge[1].value});
   }
 
   void write(store::Writer& out) const {
@@ -154,8 +149,11 @@ void solve_seams(const RunContext& context, std::uint32_t tile) {
   std::int64_t components = 0, max_components = 0, max_polygon = 0, fallbacks = 0, max_order = 0;
   for (std::size_t f = 0; f + 1 < begin.size(); ++f) {
     polygon.clear();
-    for (std::uint64_t m = begin[f] - begin.front(); m < begin[f + 1] - begin.front(); ++m)
-      polygon.add(pieces.read(member_tile[m], member_piece[m]));
+    for (std::uint64_t m = begin[f] - begin.front(); m < begin[f + 1] - begin.front(); ++m) {
+      const Piece piece = pieces.read(member_tile[m], member_piece[m]);
+      polygon.add(piece);
+      output.add_hull(piece);
+    }
     const PolygonProblem problem = polygon.problem();
     answer.clear();
     const PolygonResult result = solver.solve(problem, answer);
@@ -166,11 +164,6 @@ void solve_seams(const RunContext& context, std::uint32_t tile) {
     max_order = std::max<std::int64_t>(max_order, result.max_order);
     fallbacks += !result.optimal && result.ways > 1;
   }
-  std::vector<std::uint32_t> tiles = member_tile;
-  std::sort(tiles.begin(), tiles.end());
-  tiles.erase(std::unique(tiles.begin(), tiles.end()), tiles.end());
-  for (const std::uint32_t t : tiles)
-    output.add_hull(store::Reader(context.layout.unit(Phase::triangulate, t)).read<std::uint64_t>("hull_edge"));
 
   store::Writer out(context.layout.unit(Phase::seam, tile));
   out.set("recipe", context.recipe(Phase::seam));

@@ -153,6 +153,7 @@ struct Writer::Impl {
     H5Pset_shuffle(create.get());
     H5Pset_deflate(create.get(), 1);
     H5Pset_fletcher32(create.get());
+    H5Pset_obj_track_times(create.get(), false);  // equal content, equal bytes
     Column fresh{Handle(H5Dcreate2(file.get(), name.c_str(), file_type(type), space.get(), H5P_DEFAULT, create.get(),
                                    H5P_DEFAULT),
                         H5Dclose),

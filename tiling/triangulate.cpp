@@ -155,7 +155,7 @@ class TileOutput {
     out.append("triangle", triangle_, "below n: own point; else n + foreign number; three per triangle");
     out.append("foreign_point", foreign_point_, "tile << 32 | index");
     out.append("foreign_xyz", foreign_xyz_);
-    out.append("hull_edge", hull_edge_, "directed edges of the hull at owned triangles, as pairs of points");
+    out.append("hull_edge", hull_edge_, "directed edges of the hull at these triangles, as pairs of points");
     pieces_.write(out);
     out.set("polygons", figures_.polygons);
     out.set("components", figures_.components);
@@ -200,10 +200,15 @@ class TileOutput {
     for (HalfedgeId h{0}; h.value < tri_.origin.size(); ++h.value) {
       if (!tile_.owned[triangle_of(h).value]) continue;
       const PointId a = around_.point()[tri_.origin[h].value], b = around_.point()[tri_.target(h).value];
-      if (tri_.twin[h].is_none())
-        hull_edge_.insert(hull_edge_.end(), {a.value, b.value});
-      else if (polygons_.is_border(h))
-        pieces_.add_border(a, b, piece_of_[polygons_.subdivision().polygon[triangle_of(h).value]]);
+      const std::uint32_t piece = piece_of_[polygons_.subdivision().polygon[triangle_of(h).value]];
+      if (tri_.twin[h].is_none()) {
+        if (piece == kUnused)
+          hull_edge_.insert(hull_edge_.end(), {a.value, b.value});
+        else
+          pieces_.add_hull(a, b, piece);
+      } else if (polygons_.is_border(h)) {
+        pieces_.add_border(a, b, piece);
+      }
     }
   }
 

@@ -104,8 +104,14 @@ TEST(App, HelpAndVersion_GoToStdout) {
 
 TEST(App, FullStandardOutput_IsAStorageError) {
   const TemporaryFolder folder;
-  const int status = std::system("'" HYDROTIN_PROGRAM "' --help >/dev/full 2>/dev/null");
-  EXPECT_EQ(WEXITSTATUS(status), 4);
+  write_text(folder / "p.csv", csv_of(random_points(1, 2000)));
+  for (const std::string arguments : {"--help", "orders p.csv --json", "info p.csv --json"}) {
+    SCOPED_TRACE(arguments);
+    const int status = std::system(
+        ("cd '" + folder.path().string() + "' && '" HYDROTIN_PROGRAM "' " + arguments + " >/dev/full 2>/dev/null")
+            .c_str());
+    EXPECT_EQ(WEXITSTATUS(status), 4);
+  }
 }
 
 TEST(App, ConfigErrors_HaveExitCode2AndComeBeforeAnyWork) {

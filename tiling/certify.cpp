@@ -54,15 +54,20 @@ std::vector<std::uint8_t> required_vertices(const TriangulationView& tri, const 
   return required;
 }
 
-void check_triangles(const TriangulationView& tri, const std::vector<std::uint8_t>& required, Neighborhood& around) {
+// Marks the required vertices whose triangles all have covered discs; asks for what the others miss.
+std::vector<std::uint8_t> certain_vertices(const TriangulationView& tri, std::vector<std::uint8_t> required,
+                                           Neighborhood& around) {
+  std::vector<VertexId> doubtful;
   for (TriangleId t{0}; t.value < tri.num_triangles(); ++t.value) {
     const auto v = corners(tri, t);
     const auto anchor = std::find_if(v.begin(), v.end(), [&](VertexId p) { return required[p.value] != 0; });
     if (anchor == v.end()) continue;
     const Region disc = disc_through(tri.position[v[0]], tri.position[v[1]], tri.position[v[2]]);
-    if (disc.is_inside(around.window())) continue;
-    (void)around.covers(disc, tri.position[*anchor]);
+    if (disc.is_inside(around.window()) || around.covers(disc, tri.position[*anchor])) continue;
+    doubtful.insert(doubtful.end(), v.begin(), v.end());
   }
+  for (const VertexId v : doubtful) required[v.value] = 0;
+  return required;
 }
 
 bool is_covered(const TriangulationView& tri, const DecidingCircle& circle, Neighborhood& around) {
@@ -86,16 +91,13 @@ CertifiedTile certify(Neighborhood& around, int k) {
     out.triangulation = builder.extract();
     const TriangulationView tri = out.triangulation.view();
     out.owned = owned_triangles(tri, around.num_own());
-    const auto required = required_vertices(tri, out.owned, around.num_own(), k);
-    check_triangles(tri, required, around);
-    if (around.fetch()) continue;
-
     out.links = vertex_links(tri);
+    const auto certain = certain_vertices(tri, required_vertices(tri, out.owned, around.num_own(), k), around);
     decided.resize(tri.num_vertices());
     if (k > 0) {
       PencilGrowth growth(tri, out.links, k, around.window());
       for (VertexId u{0}; u.value < tri.num_vertices(); ++u.value) {
-        if (!required[u.value] || decided[u.value]) continue;
+        if (!certain[u.value] || decided[u.value]) continue;
         const std::uint32_t before = out.edges.size();
         beyond.clear();
         growth.grow(u, out.edges, beyond);
@@ -107,6 +109,7 @@ CertifiedTile certify(Neighborhood& around, int k) {
           out.edges.truncate(before);
       }
     }
+    // Every doubt has asked for points; without new ones nothing is in doubt.
     if (!around.fetch()) break;
   }
   if (out.rounds > 1) locate_entries(out.triangulation.view(), out.links, out.edges);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace hydrotin {
 namespace {
@@ -115,9 +116,12 @@ bool Neighborhood::covers(const Region& region, LatticePoint anchor) {
       if (nearest2 < 0 || d2 < nearest2) nearest2 = d2;
     }
   }
+  // A few blocks more cost less than another round.
+  constexpr std::size_t kFewBlocks = 32;
+  const double reach2 = missing.size() <= kFewBlocks ? std::numeric_limits<double>::infinity() : 4 * nearest2;
   for (const auto& [d2, t, b] : missing) {
     std::uint8_t& wanted = directory(t).wanted[b];
-    if (d2 > 4 * nearest2 || wanted) continue;
+    if (d2 > reach2 || wanted) continue;
     wanted = 1;
     wanted_.emplace_back(t, b);
   }

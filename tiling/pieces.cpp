@@ -5,26 +5,15 @@
 namespace hydrotin {
 namespace {
 
-Error damaged(const store::Reader& in) {
-  return {ErrorKind::storage,
-          in.path() + ": the pieces of polygons contradict each other; delete the file and run again"};
+Error damaged(const std::string& path) {
+  return {ErrorKind::storage, path + ": the pieces of polygons contradict each other; delete the file and run again"};
 }
 
 std::vector<std::uint32_t> read_offsets(const store::Reader& in, const std::string& name, std::uint64_t total) {
   auto begin = in.read<std::uint32_t>(name);
   if (begin.empty() || begin.front() != 0 || begin.back() != total || !std::is_sorted(begin.begin(), begin.end()))
-    throw damaged(in);
+    throw damaged(in.path());
   return begin;
-}
-
-std::vector<std::array<std::uint32_t, 3>> read_triangles(const store::Reader& in, const std::string& name,
-                                                         std::uint32_t begin, std::uint32_t end,
-                                                         std::size_t num_vertices) {
-  const auto flat = in.read_range<std::uint32_t>(name, std::uint64_t{3} * begin, std::uint64_t{3} * (end - begin));
-  if (std::any_of(flat.begin(), flat.end(), [&](std::uint32_t v) { return v >= num_vertices; })) throw damaged(in);
-  std::vector<std::array<std::uint32_t, 3>> out;
-  for (std::size_t i = 0; i < flat.size(); i += 3) out.push_back({flat[i], flat[i + 1], flat[i + 2]});
-  return out;
 }
 
 }  // namespace
@@ -66,27 +55,44 @@ void PieceWriter::write(store::Writer& out) const {
 }
 
 PieceReader::PieceReader(const store::Reader& in)
-    : in_(in),
+    : path_(in.path()),
       vertex_begin_(read_offsets(in, "piece_vertex_begin", in.size("piece_point"))),
       delaunay_begin_(read_offsets(in, "piece_delaunay_begin", in.size("piece_fixed"))),
-      others_begin_(read_offsets(in, "piece_others_begin", in.size("piece_others") / 3)) {
-  if (vertex_begin_.size() != delaunay_begin_.size() || others_begin_.size() != delaunay_begin_.size())
-    throw damaged(in);
+      others_begin_(read_offsets(in, "piece_others_begin", in.size("piece_others") / 3)),
+      point_(in.read<std::uint64_t>("piece_point")),
+      xyz_(in.read<std::int32_t>("piece_xyz")),
+      wants_(in.read<std::uint8_t>("piece_wants_lower")),
+      fixed_(in.read<std::uint8_t>("piece_fixed")),
+      delaunay_(in.read<std::uint32_t>("piece_delaunay")),
+      others_(in.read<std::uint32_t>("piece_others")) {
+  if (vertex_begin_.size() != delaunay_begin_.size() || others_begin_.size() != delaunay_begin_.size() ||
+      xyz_.size() != 3 * point_.size() || wants_.size() != point_.size() || delaunay_.size() != 3 * fixed_.size() ||
+      others_.size() % 3 != 0)
+    throw damaged(path_);
 }
 
-Piece PieceReader::read(std::uint32_t piece) const {
-  if (piece >= num_pieces()) throw damaged(in_);
+std::vector<std::array<std::uint32_t, 3>> PieceReader::triangles(const std::vector<std::uint32_t>& flat,
+                                                                 std::uint32_t begin, std::uint32_t end,
+                                                                 std::size_t num_vertices) const {
+  std::vector<std::array<std::uint32_t, 3>> out;
+  for (std::size_t i = std::size_t{3} * begin; i < std::size_t{3} * end; i += 3) {
+    if (std::max({flat[i], flat[i + 1], flat[i + 2]}) >= num_vertices) throw damaged(path_);
+    out.push_back({flat[i], flat[i + 1], flat[i + 2]});
+  }
+  return out;
+}
+
+Piece PieceReader::piece(std::uint32_t number) const {
+  if (number >= num_pieces()) throw damaged(path_);
   Piece out;
-  const std::uint32_t v0 = vertex_begin_[piece], count = vertex_begin_[piece + 1] - v0;
-  const auto point = in_.read_range<std::uint64_t>("piece_point", v0, count);
-  const auto xyz = in_.read_range<std::int32_t>("piece_xyz", std::uint64_t{3} * v0, std::uint64_t{3} * count);
-  for (std::size_t i = 0; i < count; ++i)
-    out.vertex.push_back({PointId(point[i]), {xyz[3 * i], xyz[3 * i + 1]}, xyz[3 * i + 2]});
-  out.wants_lower = in_.read_range<std::uint8_t>("piece_wants_lower", v0, count);
-  const std::uint32_t t0 = delaunay_begin_[piece], t1 = delaunay_begin_[piece + 1];
-  out.delaunay = read_triangles(in_, "piece_delaunay", t0, t1, count);
-  out.fixed = in_.read_range<std::uint8_t>("piece_fixed", t0, t1 - t0);
-  out.others = read_triangles(in_, "piece_others", others_begin_[piece], others_begin_[piece + 1], count);
+  const std::uint32_t v0 = vertex_begin_[number], v1 = vertex_begin_[number + 1];
+  for (std::size_t i = v0; i < v1; ++i)
+    out.vertex.push_back({PointId(point_[i]), {xyz_[3 * i], xyz_[3 * i + 1]}, xyz_[3 * i + 2]});
+  out.wants_lower.assign(wants_.begin() + v0, wants_.begin() + v1);
+  const std::uint32_t t0 = delaunay_begin_[number], t1 = delaunay_begin_[number + 1];
+  out.delaunay = triangles(delaunay_, t0, t1, out.vertex.size());
+  out.fixed.assign(fixed_.begin() + t0, fixed_.begin() + t1);
+  out.others = triangles(others_, others_begin_[number], others_begin_[number + 1], out.vertex.size());
   return out;
 }
 
@@ -96,9 +102,9 @@ PieceSummary read_piece_summary(const store::Reader& in) {
   for (std::size_t i = 0; i + 1 < begin.size(); ++i) out.num_triangles.push_back(begin[i + 1] - begin[i]);
   const auto a = in.read<std::uint64_t>("border_a"), b = in.read<std::uint64_t>("border_b");
   const auto piece = in.read<std::uint32_t>("border_piece");
-  if (a.size() != b.size() || a.size() != piece.size()) throw damaged(in);
+  if (a.size() != b.size() || a.size() != piece.size()) throw damaged(in.path());
   for (std::size_t i = 0; i < a.size(); ++i) {
-    if (piece[i] >= out.num_triangles.size()) throw damaged(in);
+    if (piece[i] >= out.num_triangles.size()) throw damaged(in.path());
     out.border.push_back({PointId(a[i]), PointId(b[i]), piece[i]});
   }
   return out;

@@ -56,16 +56,24 @@ class PieceWriter {
   std::vector<std::uint32_t> border_piece_;
 };
 
-/// Reads one piece without the others.
+/// All pieces of one tile, as they lie in its file.
 class PieceReader {
  public:
   explicit PieceReader(const store::Reader& in);
   [[nodiscard]] std::uint32_t num_pieces() const { return static_cast<std::uint32_t>(delaunay_begin_.size() - 1); }
-  [[nodiscard]] Piece read(std::uint32_t piece) const;
+  [[nodiscard]] Piece piece(std::uint32_t number) const;
 
  private:
-  const store::Reader& in_;
+  [[nodiscard]] std::vector<std::array<std::uint32_t, 3>> triangles(const std::vector<std::uint32_t>& flat,
+                                                                    std::uint32_t begin, std::uint32_t end,
+                                                                    std::size_t num_vertices) const;
+
+  std::string path_;
   std::vector<std::uint32_t> vertex_begin_, delaunay_begin_, others_begin_;
+  std::vector<std::uint64_t> point_;
+  std::vector<std::int32_t> xyz_;
+  std::vector<std::uint8_t> wants_, fixed_;
+  std::vector<std::uint32_t> delaunay_, others_;
 };
 
 /// What `join` needs of a tile: triangles per piece, and the border edges.

@@ -70,26 +70,23 @@ class SeamPolygon {
   std::vector<std::array<std::uint32_t, 3>> delaunay_, others_;
 };
 
-// Files of the tiles that have pieces of this tile's polygons.
+// Pieces of the tiles that this tile's polygons reach into.
 class PieceSource {
  public:
   explicit PieceSource(const RunContext& context) : context_(context) {}
 
   [[nodiscard]] Piece read(std::uint32_t tile, std::uint32_t piece) {
-    auto found = files_.find(tile);
-    if (found == files_.end())
-      found = files_.emplace(tile, std::make_unique<Opened>(context_.layout.unit(Phase::triangulate, tile))).first;
-    return found->second->pieces.read(piece);
+    auto found = pieces_.find(tile);
+    if (found == pieces_.end()) {
+      const store::Reader in(context_.layout.unit(Phase::triangulate, tile));
+      found = pieces_.emplace(tile, PieceReader(in)).first;
+    }
+    return found->second.piece(piece);
   }
 
  private:
-  struct Opened {
-    explicit Opened(const std::string& path) : file(path), pieces(file) {}
-    store::Reader file;
-    PieceReader pieces;
-  };
   const RunContext& context_;
-  std::map<std::uint32_t, std::unique_ptr<Opened>> files_;
+  std::map<std::uint32_t, PieceReader> pieces_;
 };
 
 class SeamOutput {

@@ -3,7 +3,9 @@
 #include <CGAL/Triangulation_face_base_with_info_2.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
+#include <algorithm>
 #include <cassert>
+#include <numeric>
 
 #include "hydrotin/triangulation.h"
 
@@ -15,8 +17,6 @@ using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Ke
 using FaceBase = CGAL::Triangulation_face_base_with_info_2<std::uint32_t, Kernel>;
 using Delaunay = CGAL::Delaunay_triangulation_2<Kernel, CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>>;
 
-constexpr std::uint32_t kUnnumbered = static_cast<std::uint32_t>(-1);
-
 }  // namespace
 
 struct DelaunayBuilder::Impl {
@@ -24,25 +24,18 @@ struct DelaunayBuilder::Impl {
   std::vector<LatticePoint> position;
   std::vector<Delaunay::Vertex_handle> handle;  // [n]
 
-  // Faces in the order of their smallest vertex: vertices come in curve order, so neighbours get near numbers.
-  std::vector<Delaunay::Face_handle> number_faces() {
-    std::vector<Delaunay::Face_handle> faces;
-    faces.reserve(dt.number_of_faces());
-    for (auto face = dt.finite_faces_begin(); face != dt.finite_faces_end(); ++face) face->info() = kUnnumbered;
-    for (std::uint32_t v = 0; v < handle.size(); ++v) {
-      auto face = handle[v]->face();
-      const auto first = face;
-      do {
-        const int i = face->index(handle[v]);
-        const auto a = face->vertex(Delaunay::ccw(i)), b = face->vertex(Delaunay::cw(i));
-        if (!dt.is_infinite(a) && !dt.is_infinite(b) && a->info() > v && b->info() > v) {
-          face->info() = static_cast<std::uint32_t>(faces.size());
-          faces.push_back(face);
-        }
-        face = face->neighbor(Delaunay::ccw(i));
-      } while (face != first);
-    }
-    return faces;
+  // Numbers the faces in the order of their smallest vertex: vertices come in curve order, so neighbours get near
+  // numbers. Faces are visited as they lie in memory.
+  std::uint32_t number_faces() {
+    const auto smallest = [](const auto& face) {
+      return std::min({face->vertex(0)->info(), face->vertex(1)->info(), face->vertex(2)->info()});
+    };
+    std::vector<std::uint32_t> begin(handle.size() + 1);
+    for (auto face = dt.finite_faces_begin(); face != dt.finite_faces_end(); ++face) ++begin[smallest(face) + 1];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    for (auto face = dt.finite_faces_begin(); face != dt.finite_faces_end(); ++face)
+      face->info() = begin[smallest(face)]++;
+    return begin.back();
   }
 };
 
@@ -69,15 +62,13 @@ Triangulation DelaunayBuilder::extract() {
   Triangulation out;
   out.position = impl_->position;
   if (impl_->dt.dimension() < 2) return out;
-  const auto faces = impl_->number_faces();
-  assert(faces.size() == impl_->dt.number_of_faces());
-  out.origin.resize(3 * faces.size());
-  out.twin.resize(3 * faces.size());
-  for (std::uint32_t t = 0; t < faces.size(); ++t) {
-    const auto& face = faces[t];
+  const std::uint32_t num_triangles = impl_->number_faces();
+  out.origin.resize(std::size_t{3} * num_triangles);
+  out.twin.resize(std::size_t{3} * num_triangles);
+  for (auto face = impl_->dt.finite_faces_begin(); face != impl_->dt.finite_faces_end(); ++face) {
     // Half-edge i runs from vertex i to vertex i + 1; it lies opposite vertex i + 2.
     for (int i = 0; i < 3; ++i) {
-      const auto h = 3 * t + static_cast<std::uint32_t>(i);
+      const std::uint32_t h = 3 * face->info() + static_cast<std::uint32_t>(i);
       out.origin[h] = VertexId{face->vertex(i)->info()};
       const auto across = face->neighbor(Delaunay::cw(i));
       if (impl_->dt.is_infinite(across)) continue;

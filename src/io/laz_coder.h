@@ -12,8 +12,9 @@
 // A decoder holds value < length, both 32-bit, and takes a byte whenever length falls below 2^24. All integer
 // operations are fixed by the format: the encoder made the same ones.
 //
-// Reading never checks for the end of the data. The caller keeps kLazPadding bytes (times the symbols between two
-// checks) behind it and calls `overran()` every now and then; damaged data then costs some wasted decoding, no more.
+// Reading never checks for the end of the data. The caller keeps readable bytes behind it, as many as can be taken
+// between two calls of `overran()`; damaged data then costs some wasted decoding, no more. A symbol takes at most 3
+// bytes and looks at 4.
 
 #define HYDROTIN_HOT [[gnu::always_inline]] inline
 
@@ -21,6 +22,7 @@ namespace hydrotin {
 
 inline constexpr std::uint32_t kMinInterval = 1U << 24U;
 inline constexpr std::uint32_t kSymbolShift = 15, kBitShift = 13;
+inline constexpr std::uint32_t kLikely = (1U << kSymbolShift) / 2;  // share from which a symbol is worth a guess
 
 // A bit with adaptive probability.
 struct BitModel {
@@ -49,9 +51,10 @@ struct BitModel {
 template <std::uint32_t Capacity>
 struct SymbolModel {
   using Symbol = std::conditional_t<(Capacity <= 256), std::uint8_t, std::uint16_t>;
-  static constexpr std::uint32_t kTableBits = std::bit_width(Capacity - 1) > 8 ? 8 : std::bit_width(Capacity - 1);
+  static constexpr std::uint32_t kTableBits = std::min<std::uint32_t>(std::bit_width(Capacity - 1) + 1, 9);
 
   std::uint32_t num, total, cycle, left, table_shift;
+  std::uint32_t likely, likely_begin, likely_size;  // a symbol that mostly comes, and its share; size 0: there is none
   std::array<std::uint16_t, Capacity + 1> cumulative;  // in 1 / 2^15; entry num is 2^15
   std::array<std::uint16_t, Capacity> count;
   std::array<Symbol, std::size_t{1} << kTableBits> first;  // of each table slot: the symbol at its beginning
@@ -59,7 +62,7 @@ struct SymbolModel {
   void reset(std::uint32_t symbols) {
     num = symbols;
     table_shift =
-        kSymbolShift - std::min<std::uint32_t>(kTableBits, static_cast<std::uint32_t>(std::bit_width(num - 1)));
+        kSymbolShift - std::min<std::uint32_t>(kTableBits, static_cast<std::uint32_t>(std::bit_width(num - 1)) + 1);
     std::fill_n(count.begin(), num, std::uint16_t{1});
     total = 0;
     cycle = num;
@@ -77,8 +80,12 @@ struct SymbolModel {
       }
     }
     const std::uint32_t scale = 0x80000000U / total;
-    std::uint32_t sum = 0, slot = 0;
+    std::uint32_t sum = 0, slot = 0, most = 0;
     for (std::uint32_t i = 0; i < num; ++i) {
+      if (count[i] > most) {
+        most = count[i];
+        likely = i;
+      }
       const std::uint32_t begin = (scale * sum) >> (31 - kSymbolShift);
       cumulative[i] = static_cast<std::uint16_t>(begin);
       sum += count[i];
@@ -86,6 +93,9 @@ struct SymbolModel {
     }
     cumulative[num] = 1U << kSymbolShift;
     for (; (slot << table_shift) < (1U << kSymbolShift); ++slot) first[slot] = static_cast<Symbol>(num - 1);
+    likely_begin = cumulative[likely];
+    likely_size = cumulative[likely + 1] - likely_begin;
+    if (likely_size < kLikely) likely_size = 0;
     cycle = std::min((5 * cycle) >> 2U, (num + 6) << 3U);
     left = cycle;
   }
@@ -93,7 +103,7 @@ struct SymbolModel {
 
 class ArithmeticDecoder {
  public:
-  // Begins at the four bytes at `data`; at most kLazPadding bytes behind `end` are read per symbol.
+  // Begins at the four bytes at `data`; see above for what must be readable behind `end`.
   void start(const std::uint8_t* data, const std::uint8_t* end) {
     length_ = 0xFFFFFFFFU;
     value_ = load_big_endian(data);
@@ -117,6 +127,17 @@ class ArithmeticDecoder {
   template <std::uint32_t Capacity>
   HYDROTIN_HOT std::uint32_t symbol(SymbolModel<Capacity>& model) {
     const std::uint32_t step = length_ >> kSymbolShift;
+    // Foreseen symbols need not wait for the division: the processor goes on while it is still being checked.
+    const std::uint32_t likely_low = model.likely_begin * step, likely_length = model.likely_size * step;
+    if (value_ - likely_low < likely_length) {
+      const std::uint32_t found = model.likely;
+      value_ -= likely_low;
+      length_ = found + 1 == model.num ? length_ - likely_low : likely_length;
+      renormalise();
+      ++model.count[found];
+      if (--model.left == 0) model.adapt();
+      return found;
+    }
     const std::uint32_t at = std::min(value_ / step, (1U << kSymbolShift) - 1);
     std::uint32_t found = model.first[at >> model.table_shift];
     while (model.cumulative[found + 1] <= at) ++found;
@@ -171,9 +192,10 @@ class ArithmeticDecoder {
     return found & ((1U << count) - 1);
   }
   HYDROTIN_HOT void renormalise() {
-    if (length_ >= kMinInterval) return;
+    // Without a branch: whether a byte is due cannot be foreseen.
     const std::uint32_t shift = static_cast<std::uint32_t>(std::countl_zero(length_)) & ~7U;
-    value_ = (value_ << shift) | (load_big_endian(next_) >> (32 - shift));
+    const std::uint64_t wide = (std::uint64_t{value_} << 32U) | load_big_endian(next_);
+    value_ = static_cast<std::uint32_t>((wide << shift) >> 32U);
     length_ <<= shift;
     next_ += shift >> 3U;
   }

@@ -41,6 +41,13 @@ class BytesDecoder {
   std::optional<ModelSet<256>> models_;
 };
 
+// Copies a record in pieces no larger than those it was just written in: wider reads would have to wait for the writes.
+HYDROTIN_HOT void copy_record(const std::uint8_t* from, std::size_t length, std::uint8_t* to) {
+  std::size_t i = 0;
+  for (; i + 4 <= length; i += 4) store(to + i, load<std::uint32_t>(from + i));
+  for (; i < length; ++i) to[i] = from[i];
+}
+
 }  // namespace
 
 struct PointwiseDecoder::State {
@@ -164,7 +171,7 @@ bool PointwiseDecoder::read(std::size_t count, std::uint8_t* records) {
     const std::size_t stop = std::min(count, done + kPointsPerCheck);
     for (; done < stop; ++done, records += s.record_length) {
       s.decode(s.decoder, s.record.data());
-      std::memcpy(records, s.record.data(), s.record_length);
+      copy_record(s.record.data(), s.record_length, records);
     }
     if (s.decoder.overran()) return false;
   }

@@ -1,0 +1,154 @@
+#include "hydrotin/pipeline.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "report.h"
+#include "schedule.h"
+#include "store.h"
+
+namespace hydrotin {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Impossible values of options, whoever filled them in.
+void check(const PipelineOptions& options) {
+  const auto fail = [](const std::string& text) { throw Error(ErrorKind::config, text); };
+  if (options.output.dir.empty()) fail("output.dir: no folder is named; say where the results shall go");
+  if (options.triangulation.order < 0 || options.triangulation.order > 6)
+    fail("triangulation.order: " + std::to_string(options.triangulation.order) + " is not possible; give 0 to 6");
+  if (options.tiles.target_points < 1000)
+    fail("tiles.target_points: " + std::to_string(options.tiles.target_points) + " is too few; give 1,000 or more");
+  if (!(options.output.dem.cell_m > 0)) fail("output.dem.cell_m: a cell must have a positive size");
+  if (!(options.output.dem.max_edge_m >= 0)) fail("output.dem.max_edge_m: give a length, or 0 for no limit");
+}
+
+RunContext plan_context(const PipelineOptions& options) {
+  check(options);
+  return {options, Layout(options), make_plan(options), {}};
+}
+
+// The plan that a job array agreed on, and the outline if it is there.
+RunContext stored_context(const PipelineOptions& options) {
+  check(options);
+  RunContext context{options, Layout(options), {}, {}};
+  context.plan = load_plan(context.layout.unit(Phase::plan, 0));
+  return context;
+}
+
+void load_outline_into(RunContext& context) {
+  context.outline = load_outline(context.layout.unit(Phase::outline, 0));
+  if (context.outline.count.size() != context.plan.num_tiles())
+    throw Error(ErrorKind::storage,
+                context.layout.unit(Phase::outline, 0) + ": it does not fit the plan; run the phase outline again");
+}
+
+// Nothing is left to do if the index and everything it lists are complete and were made from the same.
+bool is_finished(const RunContext& context) {
+  if (store::recipe_of(context.layout.index()) != context.recipe(Phase::report)) return false;
+  for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t)
+    if (store::recipe_of(context.layout.terrain(t)) != context.recipe(Phase::finish)) return false;
+  return outputs_are_present(context);
+}
+
+void remove_scratch(const RunContext& context) {
+  if (context.options.output.keep == KeepWork::always) return;
+  std::error_code ignored;
+  for (std::size_t p = 0; p < kNumPhases; ++p)
+    fs::remove_all(fs::path(context.layout.scratch()) / kPhaseNames[p], ignored);
+  fs::remove(context.layout.scratch(), ignored);  // only if nothing else lies there
+}
+
+}  // namespace
+
+PlanSummary plan_run(const PipelineOptions& options) {
+  const RunContext context = plan_context(options);
+  const Plan& plan = context.plan;
+  PlanSummary out;
+  out.files = plan.files.size();
+  for (const PlanFile& f : plan.files) out.points += f.points;
+  out.tiles = plan.num_tiles();
+  const auto worst = std::max_element(plan.expected.begin(), plan.expected.end());
+  out.worst_tile = static_cast<std::uint64_t>(worst - plan.expected.begin());
+  out.worst_tile_points = *worst;
+  out.tile_bytes = tile_need_bytes(*worst);
+  out.tiles_in_flight = tiles_in_flight(options.run, *worst, out.worst_tile);
+  out.memory_bytes = out.tile_bytes * out.tiles_in_flight + (std::uint64_t{64} << 20);
+  constexpr double kBytesPerPoint = 130, kSecondsPerPoint = 5e-6;
+  out.disk_bytes = static_cast<std::uint64_t>(kBytesPerPoint * static_cast<double>(out.points));
+  out.seconds = kSecondsPerPoint * static_cast<double>(out.points) / worker_count(options.run);
+  out.crs = plan.crs;
+  for (std::size_t p = 0; p < kNumPhases; ++p) out.units.push_back(num_units(plan, static_cast<Phase>(p)));
+  return out;
+}
+
+DatasetSummary run_pipeline(const PipelineOptions& options, const RunControl& control, Progress& progress) {
+  RunContext context = plan_context(options);
+  if (!control.overwrite && control.until == Phase::report && is_finished(context)) {
+    progress.note("everything is complete already; nothing to do");
+    return read_report(context.layout.report_json());
+  }
+  for (std::size_t p = 0; p <= static_cast<std::size_t>(control.until); ++p) {
+    const auto phase = static_cast<Phase>(p);
+    run_units(context, phase, 0, 1, control.overwrite, progress);
+    if (phase == Phase::outline) load_outline_into(context);
+  }
+  if (control.until != Phase::report) return {};
+  remove_scratch(context);
+  return read_report(context.layout.report_json());
+}
+
+void run_phase(const PipelineOptions& options, Phase phase, std::uint64_t task, std::uint64_t of, Progress& progress) {
+  if (of == 0 || task >= of)
+    throw Error(ErrorKind::config,
+                "task " + std::to_string(task) + " of " + std::to_string(of) + " does not exist; tasks count from 0");
+  RunContext context = phase == Phase::plan ? plan_context(options) : stored_context(options);
+  if (phase > Phase::outline) load_outline_into(context);
+  run_units(context, phase, task, of, false, progress);
+}
+
+std::vector<PhaseStatus> pipeline_status(const PipelineOptions& options) {
+  RunContext context = plan_context(options);
+  std::vector<PhaseStatus> out;
+  for (std::size_t p = 0; p < kNumPhases; ++p) {
+    PhaseStatus status;
+    status.phase = static_cast<Phase>(p);
+    status.units = num_units(context.plan, status.phase);
+    const std::string recipe = p == 0 ? context.plan.recipe : context.recipe(status.phase);
+    for (std::uint64_t unit = 0; unit < status.units; ++unit) {
+      const fs::path path = context.layout.unit(status.phase, unit);
+      if (store::recipe_of(path.string()) == recipe)
+        ++status.done;
+      else if (fs::exists(path.string() + ".failed"))
+        ++status.failed;
+    }
+    std::error_code ignored;
+    const fs::path folder = fs::path(context.layout.unit(status.phase, 0)).parent_path();
+    for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+      const std::string file = entry.path().filename().string();
+      const bool of_index = file.starts_with("index");
+      if (file.find(".part-") != std::string::npos && (status.phase == Phase::report) == of_index) ++status.running;
+    }
+    status.running = std::min(status.running, status.units - status.done - status.failed);
+    status.left = status.units - status.done - status.failed - status.running;
+    out.push_back(status);
+  }
+  // A finished run has dropped the scratch folder: its phases count as done.
+  if (out.back().done == 1)
+    for (PhaseStatus& status : out) status = {status.phase, status.units, status.units, 0, 0, 0};
+  return out;
+}
+
+std::string report_text(const PipelineOptions& options) {
+  const Layout layout(options);
+  std::ifstream in(layout.report_text());
+  if (!in) throw Error(ErrorKind::input, layout.report_text() + ": there is no report yet; finish the run first");
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+}  // namespace hydrotin

@@ -1,0 +1,87 @@
+#include "hydrotin/raster.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "block_index.h"
+#include "hydrotin/raster_frame.h"
+#include "hydrotin/rasterize.h"
+#include "phases.h"
+#include "terrain_file.h"
+
+namespace hydrotin {
+namespace {
+
+LatticeBox intersection(const LatticeBox& a, const LatticeBox& b) {
+  return {{std::max(a.min.x, b.min.x), std::max(a.min.y, b.min.y)},
+          {std::min(a.max.x, b.max.x), std::min(a.max.y, b.max.y)}};
+}
+
+// Centres of a tile's cells may lie up to one lattice unit beyond its box.
+LatticeBox with_far_sides(LatticeBox box) {
+  constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
+  if (box.max.x < kMost) ++box.max.x;
+  if (box.max.y < kMost) ++box.max.y;
+  return box;
+}
+
+std::vector<LatticeBox> bounds_of_parts(const RunContext& context) {
+  const store::Reader in(context.layout.unit(Phase::drain, 0));
+  auto bounds = unflatten(in.read<std::int32_t>("tile_bounds"));
+  if (bounds.size() != context.plan.num_tiles())
+    throw Error(ErrorKind::storage, in.path() + ": its bounds are not one per tile; delete the file and run again");
+  return bounds;
+}
+
+struct DemCount {
+  std::int64_t cells = 0, with_height = 0;
+};
+
+DemCount write_dem(const RunContext& context, std::uint32_t tile) {
+  const DemOptions& dem = context.options.output.dem;
+  const Lattice& lattice = context.plan.lattice;
+  const LatticeBox bounds = context.outline.bounds();
+  const LatticeBox box = intersection(context.plan.core[tile], bounds);
+  const RasterFrame frame = frame_around(lattice, bounds, dem.cell_m);
+  const CellRange window = cells_in(frame, lattice, box);
+  if (window.is_empty()) return {};
+  constexpr std::int64_t kMostCells = std::int64_t{1} << 31;
+  const std::int64_t columns = window.num_columns(), rows = window.num_rows();
+  if (columns > kMostCells / rows ||
+      static_cast<std::uint64_t>(columns * rows) * sizeof(float) > context.options.run.memory_bytes)
+    throw Error(ErrorKind::resource, context.layout.dem_tile(tile) + ": tile " + std::to_string(tile) + " has " +
+                                         std::to_string(columns) + " x " + std::to_string(rows) +
+                                         " DEM cells, more than memory can hold; raise output.dem.cell_m or lower "
+                                         "tiles.target_points");
+  std::vector<float> value(static_cast<std::size_t>(columns * rows), kNodata);
+  const std::uint64_t limit = dem.max_edge_m > 0 ? squared_edge_limit(dem.max_edge_m, lattice) : kNoEdgeLimit;
+  const LatticeBox reach = with_far_sides(box);
+  const std::vector<LatticeBox> parts = bounds_of_parts(context);
+  std::uint64_t with_height = 0;
+  for (std::uint32_t t = 0; t < parts.size(); ++t) {
+    if (!parts[t].intersects(reach)) continue;
+    const TrianglePatch patch = read_patch(store::Reader(context.layout.unit(Phase::finish, t)), reach);
+    with_height += rasterize(patch.position, patch.height, patch.triangle, lattice, frame, window, limit, value);
+  }
+  const RasterGrid grid{frame.origin_x + static_cast<double>(window.column_begin) * frame.cell,
+                        frame.origin_y - static_cast<double>(window.row_begin) * frame.cell,
+                        frame.cell,
+                        frame.cell,
+                        static_cast<std::uint32_t>(columns),
+                        static_cast<std::uint32_t>(rows)};
+  write_geotiff(context.layout.dem_tile(tile), grid, value, context.plan.crs_wkt);
+  return {columns * rows, static_cast<std::int64_t>(with_height)};
+}
+
+}  // namespace
+
+void rasterize_tile(const RunContext& context, std::uint32_t tile) {
+  const DemCount count = context.options.output.dem.enabled ? write_dem(context, tile) : DemCount{};
+  store::Writer marker(context.layout.unit(Phase::raster, tile));
+  marker.set("recipe", context.recipe(Phase::raster));
+  marker.set("cells", count.cells);
+  marker.set("cells_with_height", count.with_height);
+  marker.commit();
+}
+
+}  // namespace hydrotin

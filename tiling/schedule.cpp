@@ -1,0 +1,155 @@
+#include "schedule.h"
+
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <tbb/parallel_pipeline.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+
+#include "store.h"
+
+namespace hydrotin {
+namespace {
+
+bool is_single(Phase phase) {
+  return phase == Phase::plan || phase == Phase::outline || phase == Phase::join || phase == Phase::drain ||
+         phase == Phase::report;
+}
+
+void do_unit(const RunContext& context, Phase phase, std::uint32_t unit) {
+  switch (phase) {
+    case Phase::plan:
+      return save_plan(context.plan, context.layout.unit(phase, 0));
+    case Phase::ingest:
+      return ingest_file(context, unit);
+    case Phase::arrange:
+      return arrange_tile(context, unit);
+    case Phase::outline:
+      return make_outline(context);
+    case Phase::triangulate:
+      return triangulate_tile(context, unit);
+    case Phase::join:
+      return join_pieces(context);
+    case Phase::seam:
+      return solve_seams(context, unit);
+    case Phase::spill:
+      return reduce_tile(context, unit);
+    case Phase::drain:
+      return drain_tiles(context);
+    case Phase::finish:
+      return finish_tile(context, unit);
+    case Phase::raster:
+      return rasterize_tile(context, unit);
+    case Phase::report:
+      return write_report(context);
+  }
+}
+
+std::uint64_t work_of(const RunContext& context, Phase phase, std::uint64_t unit) {
+  if (phase == Phase::ingest) return context.plan.files[unit].points;
+  const bool counted = !context.outline.count.empty();
+  if (!is_single(phase)) return counted ? context.outline.count[unit] : context.plan.expected[unit];
+  std::uint64_t all = 0;
+  for (const std::uint64_t n : counted ? context.outline.count : context.plan.expected) all += n;
+  return all;
+}
+
+std::uint32_t units_at_once(const RunContext& context, Phase phase) {
+  if (is_single(phase)) return 1;
+  if (phase == Phase::ingest) {
+    constexpr std::uint64_t kFileNeed = std::uint64_t{128} << 20;
+    return std::clamp<std::uint32_t>(static_cast<std::uint32_t>(context.options.run.memory_bytes / kFileNeed), 1,
+                                     worker_count(context.options.run));
+  }
+  const auto& count = context.outline.count.empty() ? context.plan.expected : context.outline.count;
+  const auto largest = std::max_element(count.begin(), count.end());
+  return tiles_in_flight(context.options.run, *largest, static_cast<std::uint64_t>(largest - count.begin()));
+}
+
+// A text beside the output of a unit that failed, for `status`.
+class FailureNote {
+ public:
+  explicit FailureNote(const std::string& unit) : path_(unit + ".failed") {}
+  void write(const std::string& text) const {
+    std::error_code ignored;
+    std::filesystem::create_directories(std::filesystem::path(path_).parent_path(), ignored);
+    std::ofstream(path_) << text << '\n';
+  }
+  void remove() const {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+
+ private:
+  std::string path_;
+};
+
+}  // namespace
+
+std::uint64_t tile_need_bytes(std::uint64_t points) {
+  return (std::uint64_t{24} << 20) + 640 * points;
+}
+
+std::uint32_t worker_count(const ExecutionOptions& run) {
+  return static_cast<std::uint32_t>(run.workers > 0 ? run.workers : tbb::info::default_concurrency());
+}
+
+std::uint32_t tiles_in_flight(const ExecutionOptions& run, std::uint64_t largest_tile, std::uint64_t tile) {
+  const std::uint64_t need = tile_need_bytes(largest_tile);
+  if (need > run.memory_bytes)
+    throw Error(ErrorKind::resource, "tile " + std::to_string(tile) + " has " + std::to_string(largest_tile) +
+                                         " points and needs " + std::to_string(need >> 20) +
+                                         " MiB, but run.memory is " + std::to_string(run.memory_bytes >> 20) +
+                                         " MiB; raise run.memory or lower tiles.target_points");
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(run.memory_bytes / need, worker_count(run)));
+}
+
+std::uint64_t num_units(const Plan& plan, Phase phase) {
+  return is_single(phase) ? 1 : phase == Phase::ingest ? plan.files.size() : plan.num_tiles();
+}
+
+void run_units(const RunContext& context, Phase phase, std::uint64_t task, std::uint64_t of, bool force,
+               Progress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  const std::uint64_t end = num_units(context.plan, phase);
+  const std::string recipe = phase == Phase::plan ? context.plan.recipe : context.recipe(phase);
+  std::uint64_t units = 0, work = 0;
+  for (std::uint64_t unit = task; unit < end; unit += of, ++units) work += work_of(context, phase, unit);
+  progress.phase_begins(phase, units, work);
+
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, worker_count(context.options.run));
+  std::mutex reporting;
+  std::uint64_t upcoming = task;
+  const auto next_unit = [&](tbb::flow_control& control) -> std::uint64_t {
+    if (upcoming >= end) control.stop();
+    const std::uint64_t unit = upcoming;
+    upcoming += of;
+    return unit;
+  };
+  const auto make = [&](std::uint64_t unit) {
+    const std::string path = context.layout.unit(phase, unit);
+    const bool complete = !force && store::recipe_of(path) == recipe;
+    if (!complete) {
+      const FailureNote failure(path);
+      try {
+        do_unit(context, phase, static_cast<std::uint32_t>(unit));
+      } catch (const std::exception& error) {
+        failure.write(error.what());
+        throw;
+      }
+      failure.remove();
+    }
+    const std::lock_guard lock(reporting);
+    progress.unit_done(phase, unit, work_of(context, phase, unit), complete);
+  };
+  tbb::parallel_pipeline(units_at_once(context, phase),
+                         tbb::make_filter<void, std::uint64_t>(tbb::filter_mode::serial_in_order, next_unit) &
+                             tbb::make_filter<std::uint64_t, void>(tbb::filter_mode::parallel, make));
+  progress.phase_ends(phase, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+}
+
+}  // namespace hydrotin

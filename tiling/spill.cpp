@@ -1,0 +1,51 @@
+#include <algorithm>
+#include <tuple>
+
+#include "part.h"
+#include "phases.h"
+#include "reduced_store.h"
+
+namespace hydrotin {
+namespace {
+
+// [n] nonzero where a neighbour of the part is lower by (z, x, y).
+std::vector<std::uint8_t> has_lower_neighbor(const Part& part) {
+  const auto key = [&](std::uint32_t v) { return std::tie(part.height[v], part.position[v]); };
+  std::vector<std::uint8_t> flag(part.num_vertices());
+  for (std::uint32_t v = 0; v < flag.size(); ++v) {
+    const auto neighbors = part.graph.neighbors(v);
+    flag[v] = std::any_of(neighbors.begin(), neighbors.end(), [&](std::uint32_t w) { return key(w) < key(v); });
+  }
+  return flag;
+}
+
+}  // namespace
+
+void reduce_tile(const RunContext& context, std::uint32_t tile) {
+  const Part part = load_part(context, tile);
+  const std::vector<std::uint8_t> is_outlet = outlet_flags(context, part);
+  const std::vector<std::uint8_t> has_lower = has_lower_neighbor(part);
+  std::int64_t inner_minima = 0;
+  for (std::uint32_t v = 0; v < part.num_vertices(); ++v) inner_minima += !part.is_rim[v] && !has_lower[v];
+  std::vector<std::uint8_t> rim_has_lower;
+  std::vector<std::int32_t> rim_height;
+  for (const std::uint32_t v : part.rim()) {
+    rim_has_lower.push_back(has_lower[v]);
+    rim_height.push_back(part.height[v]);
+  }
+
+  store::Writer out(context.layout.unit(Phase::spill, tile));
+  out.set("recipe", context.recipe(Phase::spill));
+  write_tree(out, reduce_to_rim(part.graph, part.height, part.point, part.is_rim, is_outlet));
+  out.append("rim_height", rim_height, "z lattice, as measured");
+  out.append("rim_has_lower", rim_has_lower, "1: a neighbour in this part is lower by (z, x, y)");
+  write_plateaus(out, "",
+                 summarize_plateaus(part.graph, part.height, part.position, is_outlet, part.point, part.is_rim));
+  out.append("bounds", flatten(std::vector{part.bounds()}), "box of the triangles; min above max if there is none");
+  out.set("inner_minima", inner_minima);
+  out.set("vertices", static_cast<std::int64_t>(part.num_vertices()));
+  out.set("triangles", static_cast<std::int64_t>(part.num_triangles()));
+  out.commit();
+}
+
+}  // namespace hydrotin

@@ -1,0 +1,96 @@
+#include "terrain_file.h"
+
+#include <algorithm>
+
+namespace hydrotin {
+namespace {
+
+[[noreturn]] void damaged(const store::Reader& in, const std::string& what) {
+  throw Error(ErrorKind::storage, in.path() + ": " + what + "; delete the file and run again");
+}
+
+// The triangles of the runs that meet the box, neighbouring runs read together.
+std::vector<std::uint32_t> read_runs(const store::Reader& in, const LatticeBox& box) {
+  const auto boxes = unflatten(in.read<std::int32_t>("triangle_box"));
+  const std::uint64_t size = in.size("triangle");
+  if (size % 3 != 0 || boxes.size() != (size / 3 + kRunTriangles - 1) / kRunTriangles)
+    damaged(in, "the boxes do not fit the triangles");
+  constexpr std::uint64_t kRun = std::uint64_t{3} * kRunTriangles;
+  std::vector<std::uint32_t> out;
+  for (std::size_t first = 0; first < boxes.size(); ++first) {
+    if (!boxes[first].intersects(box)) continue;
+    std::size_t last = first + 1;
+    while (last < boxes.size() && boxes[last].intersects(box)) ++last;
+    const std::uint64_t begin = first * kRun, end = std::min<std::uint64_t>(last * kRun, size);
+    const auto piece = in.read_range<std::uint32_t>("triangle", begin, end - begin);
+    out.insert(out.end(), piece.begin(), piece.end());
+    first = last;
+  }
+  return out;
+}
+
+// Positions and heights of ascending own points, in stretches without wide gaps.
+void read_own(const store::Reader& in, std::span<const std::uint32_t> index, TrianglePatch& patch) {
+  constexpr std::uint32_t kGap = 4096;
+  for (std::size_t first = 0; first < index.size();) {
+    std::size_t last = first + 1;
+    while (last < index.size() && index[last] - index[last - 1] <= kGap) ++last;
+    const std::uint64_t begin = index[first], count = std::uint64_t{index[last - 1]} + 1 - begin;
+    const auto x = in.read_range<std::int32_t>("x", begin, count);
+    const auto y = in.read_range<std::int32_t>("y", begin, count);
+    const auto height = in.read_range<std::int32_t>("height", begin, count);
+    for (; first < last; ++first) {
+      const std::size_t i = index[first] - begin;
+      if (height[i] == kUnusedHeight) damaged(in, "a triangle uses a point without a height");
+      patch.position.push_back({x[i], y[i]});
+      patch.height.push_back(height[i]);
+    }
+  }
+}
+
+void read_foreign(const store::Reader& in, std::span<const std::uint32_t> number, TrianglePatch& patch) {
+  if (number.empty()) return;
+  const auto xyz = in.read<std::int32_t>("foreign_xyz");
+  const auto height = in.read<std::int32_t>("foreign_height");
+  if (xyz.size() != 3 * height.size()) damaged(in, "the arrays of its foreign points differ in length");
+  for (const std::uint32_t f : number) {
+    if (f >= height.size()) damaged(in, "a triangle refers to a vertex that is not listed");
+    patch.position.push_back({xyz[3 * std::size_t{f}], xyz[3 * std::size_t{f} + 1]});
+    patch.height.push_back(height[f]);
+  }
+}
+
+}  // namespace
+
+void write_lattice(store::Writer& out, const Lattice& l) {
+  out.append("lattice_scale_offset", std::vector<double>{l.scale_xy, l.scale_z, l.offset_x, l.offset_y, l.offset_z},
+             "scale of x and y, scale of z, offsets of x, y, z: coordinate = (base + integer) * scale + offset");
+  out.append("lattice_base", std::vector<std::int64_t>{l.base_x, l.base_y, l.base_z}, "base of x, y, z");
+}
+
+Lattice read_lattice(const store::Reader& in) {
+  const auto scale = in.read<double>("lattice_scale_offset");
+  const auto base = in.read<std::int64_t>("lattice_base");
+  if (scale.size() != 5 || base.size() != 3) damaged(in, "its lattice has a wrong shape");
+  return {scale[0], scale[1], scale[2], scale[3], scale[4], base[0], base[1], base[2]};
+}
+
+TrianglePatch read_patch(const store::Reader& in, const LatticeBox& box) {
+  TrianglePatch patch;
+  patch.triangle = read_runs(in, box);
+  std::vector<std::uint32_t> used = patch.triangle;
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  const std::uint64_t num_own = in.size("x");
+  const auto own_end = static_cast<std::size_t>(
+      std::partition_point(used.begin(), used.end(), [&](std::uint32_t v) { return v < num_own; }) - used.begin());
+  read_own(in, std::span(used).first(own_end), patch);
+  std::vector<std::uint32_t> number(used.begin() + static_cast<std::ptrdiff_t>(own_end), used.end());
+  for (std::uint32_t& f : number) f = static_cast<std::uint32_t>(f - num_own);
+  read_foreign(in, number, patch);
+  for (std::uint32_t& v : patch.triangle)
+    v = static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), v) - used.begin());
+  return patch;
+}
+
+}  // namespace hydrotin

@@ -27,6 +27,7 @@ std::uint32_t PieceWriter::add(const Piece& piece) {
   fixed_.insert(fixed_.end(), piece.fixed.begin(), piece.fixed.end());
   for (const auto& t : piece.delaunay) delaunay_.insert(delaunay_.end(), t.begin(), t.end());
   for (const auto& t : piece.others) others_.insert(others_.end(), t.begin(), t.end());
+  others_order_.insert(others_order_.end(), piece.others_order.begin(), piece.others_order.end());
   vertex_begin_.push_back(static_cast<std::uint32_t>(point_.size()));
   delaunay_begin_.push_back(static_cast<std::uint32_t>(fixed_.size()));
   others_begin_.push_back(static_cast<std::uint32_t>(others_.size() / 3));
@@ -49,6 +50,7 @@ void PieceWriter::write(store::Writer& out) const {
   out.append("piece_fixed", fixed_, "bit i: the side from corner i is fixed");
   out.append("piece_others_begin", others_begin_, "first other order-k triangle of each piece");
   out.append("piece_others", others_);
+  out.append("piece_others_order", others_order_);
   out.append("border_a", border_a_, "ends of the edges between pieces of different tiles");
   out.append("border_b", border_b_);
   out.append("border_piece", border_piece_);
@@ -65,9 +67,10 @@ PieceReader::PieceReader(const store::Reader& in)
       fixed_(in.read<std::uint8_t>("piece_fixed")),
       delaunay_(in.read<std::uint32_t>("piece_delaunay")),
       others_(in.read<std::uint32_t>("piece_others")) {
+  others_order_ = in.read<std::uint8_t>("piece_others_order");
   if (vertex_begin_.size() != delaunay_begin_.size() || others_begin_.size() != delaunay_begin_.size() ||
       xyz_.size() != 3 * point_.size() || wants_.size() != point_.size() || delaunay_.size() != 3 * fixed_.size() ||
-      others_.size() % 3 != 0)
+      others_.size() != 3 * others_order_.size())
     throw damaged(path_);
 }
 
@@ -92,7 +95,9 @@ Piece PieceReader::piece(std::uint32_t number) const {
   const std::uint32_t t0 = delaunay_begin_[number], t1 = delaunay_begin_[number + 1];
   out.delaunay = triangles(delaunay_, t0, t1, out.vertex.size());
   out.fixed.assign(fixed_.begin() + t0, fixed_.begin() + t1);
-  out.others = triangles(others_, others_begin_[number], others_begin_[number + 1], out.vertex.size());
+  const std::uint32_t c0 = others_begin_[number], c1 = others_begin_[number + 1];
+  out.others = triangles(others_, c0, c1, out.vertex.size());
+  out.others_order.assign(others_order_.begin() + c0, others_order_.begin() + c1);
   return out;
 }
 

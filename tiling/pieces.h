@@ -29,6 +29,7 @@ struct Piece {
   std::vector<std::array<std::uint32_t, 3>> delaunay;  ///< [T]
   std::vector<std::uint8_t> fixed;                     ///< [T] bit i: side i is fixed
   std::vector<std::array<std::uint32_t, 3>> others;    ///< [C]
+  std::vector<std::uint8_t> others_order;              ///< [C]
 };
 
 /// An edge between a piece of this tile and one of another.
@@ -50,7 +51,7 @@ class PieceWriter {
   std::vector<std::uint32_t> vertex_begin_{0}, delaunay_begin_{0}, others_begin_{0};
   std::vector<std::uint64_t> point_;
   std::vector<std::int32_t> xyz_;
-  std::vector<std::uint8_t> wants_, fixed_;
+  std::vector<std::uint8_t> wants_, fixed_, others_order_;
   std::vector<std::uint32_t> delaunay_, others_;
   std::vector<std::uint64_t> border_a_, border_b_;
   std::vector<std::uint32_t> border_piece_;
@@ -72,7 +73,7 @@ class PieceReader {
   std::vector<std::uint32_t> vertex_begin_, delaunay_begin_, others_begin_;
   std::vector<std::uint64_t> point_;
   std::vector<std::int32_t> xyz_;
-  std::vector<std::uint8_t> wants_, fixed_;
+  std::vector<std::uint8_t> wants_, fixed_, others_order_;
   std::vector<std::uint32_t> delaunay_, others_;
 };
 

@@ -20,7 +20,9 @@ class SeamPolygon {
     wants_.clear();
     delaunay_.clear();
     fixed_.clear();
+    met_.clear();
     others_.clear();
+    others_order_.clear();
   }
 
   void add(const Piece& piece) {
@@ -39,13 +41,20 @@ class SeamPolygon {
     }
     for (const auto& t : piece.delaunay) delaunay_.push_back({local[t[0]], local[t[1]], local[t[2]]});
     fixed_.insert(fixed_.end(), piece.fixed.begin(), piece.fixed.end());
-    for (const auto& t : piece.others) others_.push_back(from_smallest({local[t[0]], local[t[1]], local[t[2]]}));
+    for (std::size_t i = 0; i < piece.others.size(); ++i) {
+      const auto& t = piece.others[i];
+      met_.push_back({from_smallest({local[t[0]], local[t[1]], local[t[2]]}), piece.others_order[i]});
+    }
   }
 
   [[nodiscard]] PolygonProblem problem() {
-    std::sort(others_.begin(), others_.end());
-    others_.erase(std::unique(others_.begin(), others_.end()), others_.end());
-    return {position_, height_, wants_, delaunay_, fixed_, others_, num_components()};
+    std::sort(met_.begin(), met_.end());
+    met_.erase(std::unique(met_.begin(), met_.end()), met_.end());
+    for (const auto& [triangle, order] : met_) {
+      others_.push_back(triangle);
+      others_order_.push_back(order);
+    }
+    return {position_, height_, wants_, delaunay_, fixed_, others_, others_order_, num_components()};
   }
 
   [[nodiscard]] const std::vector<PieceVertex>& vertices() const { return vertex_; }
@@ -66,7 +75,8 @@ class SeamPolygon {
   std::vector<PieceVertex> vertex_;
   std::vector<LatticePoint> position_;
   std::vector<std::int32_t> height_;
-  std::vector<std::uint8_t> wants_, fixed_;
+  std::vector<std::uint8_t> wants_, fixed_, others_order_;
+  std::vector<std::pair<std::array<std::uint32_t, 3>, std::uint8_t>> met_;  // others, as the pieces list them
   std::vector<std::array<std::uint32_t, 3>> delaunay_, others_;
 };
 
@@ -141,7 +151,7 @@ void solve_seams(const RunContext& context, std::uint32_t tile) {
   SeamPolygon polygon;
   SeamOutput output;
   std::vector<std::array<std::uint32_t, 3>> answer;
-  std::int64_t components = 0, max_components = 0, max_polygon = 0, fallbacks = 0;
+  std::int64_t components = 0, max_components = 0, max_polygon = 0, fallbacks = 0, max_order = 0;
   for (std::size_t f = 0; f + 1 < begin.size(); ++f) {
     polygon.clear();
     for (std::uint64_t m = begin[f] - begin.front(); m < begin[f + 1] - begin.front(); ++m)
@@ -153,6 +163,7 @@ void solve_seams(const RunContext& context, std::uint32_t tile) {
     components += problem.components;
     max_components = std::max<std::int64_t>(max_components, problem.components);
     max_polygon = std::max<std::int64_t>(max_polygon, static_cast<std::int64_t>(problem.delaunay.size()));
+    max_order = std::max<std::int64_t>(max_order, result.max_order);
     fallbacks += !result.optimal && result.ways > 1;
   }
   std::vector<std::uint32_t> tiles = member_tile;
@@ -169,6 +180,7 @@ void solve_seams(const RunContext& context, std::uint32_t tile) {
   out.set("max_components", max_components);
   out.set("max_polygon", max_polygon);
   out.set("fallbacks", fallbacks);
+  out.set("max_order", max_order);
   out.commit();
 }
 

@@ -145,6 +145,7 @@ class TileOutput {
       figures_.max_components = std::max<std::int64_t>(figures_.max_components, problem.components);
       figures_.max_polygon =
           std::max<std::int64_t>(figures_.max_polygon, static_cast<std::int64_t>(problem.delaunay.size()));
+      figures_.max_order = std::max<std::int64_t>(figures_.max_order, result.max_order);
       figures_.fallbacks += !result.optimal && result.ways > 1;
     }
     list_edges();
@@ -161,6 +162,7 @@ class TileOutput {
     out.set("max_components", figures_.max_components);
     out.set("max_polygon", figures_.max_polygon);
     out.set("fallbacks", figures_.fallbacks);
+    out.set("max_order", figures_.max_order);
     out.set("minima_bound", minima_bound());
     out.set("rounds", std::int64_t{tile_.rounds});
     out.set("fetched", static_cast<std::int64_t>(around_.num_fetched()));
@@ -190,6 +192,7 @@ class TileOutput {
     out.delaunay.assign(problem.delaunay.begin(), problem.delaunay.end());
     out.fixed.assign(problem.fixed.begin(), problem.fixed.end());
     out.others.assign(problem.others.begin(), problem.others.end());
+    out.others_order.assign(problem.others_order.begin(), problem.others_order.end());
     return out;
   }
 

@@ -64,6 +64,7 @@ PointSetTriangulation triangulate(std::span<const LatticePoint> position, std::s
     const PolygonResult result = solver.solve(extractor.extract(f), out.triangles);
     for (std::size_t t = first; t < out.triangles.size(); ++t)
       for (auto& v : out.triangles[t]) v = extractor.vertices()[v].value;
+    out.max_order = std::max(out.max_order, result.max_order);
     out.fallbacks += !result.optimal && result.ways > 1;
     out.max_polygon = std::max(out.max_polygon, subdivision.begin[f + 1] - subdivision.begin[f]);
     out.components += subdivision.components[f];

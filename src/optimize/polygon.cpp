@@ -37,7 +37,7 @@ struct PolygonSolver::Impl {
   PolygonProgram<MinWeightRule> min_weight{};
   PolygonProgram<LocalMinimaRule> local_minima{};
   std::vector<std::uint8_t> blocked{}, closed{}, served{};
-  Triangles candidate{}, best{};
+  std::vector<std::uint32_t> candidate{}, best{};  // numbers of triangles
   std::optional<Score> best_score{};
 
   [[nodiscard]] std::uint32_t num_wanting() const {
@@ -46,11 +46,11 @@ struct PolygonSolver::Impl {
   }
 
   // Vertices that want and have a lower neighbour over an inner edge of `triangles`.
-  std::uint32_t count_served(std::span<const std::array<std::uint32_t, 3>> triangles) {
+  std::uint32_t count_served(const std::vector<std::uint32_t>& triangles) {
     served.assign(problem->position.size(), 0);
-    for (const auto& t : triangles)
+    for (const std::uint32_t number : triangles)
       for (std::size_t i = 0; i < 3; ++i) {
-        const std::uint32_t a = t[i], b = t[(i + 1) % 3];
+        const std::uint32_t a = graph.triangle(number)[i], b = graph.triangle(number)[(i + 1) % 3];
         if (graph.edge(graph.find(b, a)).is_boundary) continue;
         const bool a_is_lower =
             is_lower(problem->height[a], problem->position[a], problem->height[b], problem->position[b]);
@@ -61,11 +61,11 @@ struct PolygonSolver::Impl {
     return count;
   }
 
-  Score score_of(const Triangles& triangles) {
+  Score score_of(const std::vector<std::uint32_t>& triangles) {
     Score score;
-    for (const auto& t : triangles)
+    for (const std::uint32_t number : triangles)
       for (std::size_t i = 0; i < 3; ++i) {
-        const std::uint32_t a = t[i], b = t[(i + 1) % 3];
+        const std::uint32_t a = graph.triangle(number)[i], b = graph.triangle(number)[(i + 1) % 3];
         const PolygonEdge& edge = graph.edge(graph.find(b, a));
         if (edge.is_boundary) continue;
         score.foreign += !edge.is_delaunay;
@@ -201,7 +201,12 @@ PolygonResult PolygonSolver::solve(const PolygonProblem& problem, Triangles& tri
     if (self.has_repeated_vertices()) result.optimal = false;
     if (result.served == wanting) result.optimal = true;
   }
-  triangles.insert(triangles.end(), self.best.begin(), self.best.end());
+  for (const std::uint32_t number : self.best) {
+    triangles.push_back(self.graph.triangle(number));
+    if (number >= problem.delaunay.size())
+      result.max_order =
+          std::max<std::uint32_t>(result.max_order, problem.others_order[number - problem.delaunay.size()]);
+  }
   return result;
 }
 

@@ -39,6 +39,7 @@ const PolygonProblem& PolygonExtractor::extract(std::uint32_t f) {
   fixed_.clear();
   delaunay_.clear();
   others_.clear();
+  others_order_.clear();
   for (const TriangleId t : source_.subdivision.triangles_of(f)) {
     const HalfedgeId h = first_halfedge(t);
     delaunay_.push_back({local(tri.origin[h]), local(tri.target(h)), local(tri.apex(h))});
@@ -50,6 +51,7 @@ const PolygonProblem& PolygonExtractor::extract(std::uint32_t f) {
   for (std::uint32_t i = source_.candidates.begin[f]; i < source_.candidates.begin[f + 1]; ++i) {
     const auto& v = source_.triangles.vertices[source_.candidates.candidate[i]];
     others_.push_back({local(v[0]), local(v[1]), local(v[2])});
+    others_order_.push_back(source_.triangles.order[source_.candidates.candidate[i]]);
   }
   wants_lower_.assign(vertices_.size(), 0);
   if (source_.assignment)
@@ -57,7 +59,8 @@ const PolygonProblem& PolygonExtractor::extract(std::uint32_t f) {
       const TriangleId where = source_.assignment->where[vertices_[i].value];
       wants_lower_[i] = !where.is_none() && source_.subdivision.polygon[where.value] == f;
     }
-  problem_ = {position_, height_, wants_lower_, delaunay_, fixed_, others_, source_.subdivision.components[f]};
+  problem_ = {position_, height_, wants_lower_,  delaunay_,
+              fixed_,    others_, others_order_, source_.subdivision.components[f]};
   return problem_;
 }
 

@@ -175,8 +175,8 @@ class PolygonProgram {
 
   [[nodiscard]] const typename Rule::Cell& root_cell() const { return cell_[graph_->root()]; }
 
-  /// Appends the triangles of the answer.
-  void read_back(const Rule& rule, std::vector<std::array<std::uint32_t, 3>>& triangles) {
+  /// Appends the numbers of the triangles of the answer.
+  void read_back(const Rule& rule, std::vector<std::uint32_t>& triangles) {
     trail_.assign(1, {graph_->root(), rule.best_state(cell_[graph_->root()])});
     while (!trail_.empty()) {
       const auto [e, state] = trail_.back();
@@ -184,7 +184,7 @@ class PolygonProgram {
       if (is_end(e)) continue;
       const auto& entry = cell_[e][static_cast<std::size_t>(state)];
       const Option& option = graph_->option(entry.option);
-      triangles.push_back(graph_->triangle(option.triangle));
+      triangles.push_back(option.triangle);
       trail_.push_back({option.right_child, entry.child_state[1]});
       trail_.push_back({option.left_child, entry.child_state[0]});
     }

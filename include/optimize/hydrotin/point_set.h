@@ -24,6 +24,7 @@ struct PointSetTriangulation {
   double value = 0;  ///< of the objective: total edge length [lattice units], number of minima; 0 for delaunay
   double bound = 0;  ///< no order-k triangulation has less
   bool optimal = false;
+  std::uint32_t max_order = 0;  ///< of the triangles
   std::uint32_t polygons = 0, max_polygon = 0, components = 0, max_components = 0, fallbacks = 0;
 };
 

@@ -34,13 +34,15 @@ struct PolygonProblem {
   std::span<const std::array<std::uint32_t, 3>> delaunay;  ///< [T] counter-clockwise
   std::span<const std::uint8_t> fixed;                   ///< [T] bit i: the side from corner i to the next one is fixed
   std::span<const std::array<std::uint32_t, 3>> others;  ///< [C] counter-clockwise
+  std::span<const std::uint8_t> others_order;            ///< [C] 1..k
   std::uint32_t components = 0;
 };
 
 struct PolygonResult {
   bool optimal = true;
-  std::uint32_t ways = 1;    ///< dynamic programs run
-  std::uint32_t served = 0;  ///< local-minima: vertices that wanted a lower neighbour and got one
+  std::uint32_t ways = 1;       ///< dynamic programs run
+  std::uint32_t max_order = 0;  ///< of the triangles of the answer
+  std::uint32_t served = 0;     ///< local-minima: vertices that wanted a lower neighbour and got one
 };
 
 class PolygonSolver {

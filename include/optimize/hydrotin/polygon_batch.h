@@ -54,7 +54,7 @@ class PolygonExtractor {
   std::vector<VertexId> vertices_;
   std::vector<LatticePoint> position_;
   std::vector<std::int32_t> height_;
-  std::vector<std::uint8_t> wants_lower_, fixed_;
+  std::vector<std::uint8_t> wants_lower_, fixed_, others_order_;
   std::vector<std::array<std::uint32_t, 3>> delaunay_, others_;
 };
 

@@ -1,0 +1,126 @@
+#include "dataset.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <functional>
+#include <limits>
+
+#include "layout.h"
+#include "reduced_store.h"
+#include "terrain_file.h"
+
+namespace hydrotin {
+namespace {
+
+[[noreturn]] void contradicts(const std::string& path, const std::string& what) {
+  throw Error(ErrorKind::storage, path + ": " + what + "; delete the file and run again");
+}
+
+void read_foreign(const store::Reader& in, const DatasetIndex& index, TerrainTile& out) {
+  out.foreign = in.read<std::uint64_t>("foreign_point");
+  const auto xyz = in.read<std::int32_t>("foreign_xyz");
+  const auto height = in.read<std::int32_t>("foreign_height");
+  if (xyz.size() != 3 * out.foreign.size() || height.size() != out.foreign.size())
+    contradicts(out.path, "the arrays of its foreign points differ in length");
+  if (std::adjacent_find(out.foreign.begin(), out.foreign.end(), std::greater_equal<>{}) != out.foreign.end())
+    contradicts(out.path, "its foreign points do not ascend");
+  for (std::size_t i = 0; i < out.foreign.size(); ++i) {
+    const PointId id(out.foreign[i]);
+    if (id.tile() == out.tile || id.tile() >= index.num_tiles() || id.index() >= index.count[id.tile()])
+      contradicts(out.path, "foreign point " + std::to_string(i) + " is no point of another tile");
+    out.position.push_back({xyz[3 * i], xyz[3 * i + 1]});
+    out.measured.push_back(xyz[3 * i + 2]);
+  }
+  out.height.insert(out.height.end(), height.begin(), height.end());
+}
+
+// Arrays that the checks do not use: reading them tests their checksums.
+void read_the_rest(const store::Reader& in) {
+  static_cast<void>(read_lattice(in));
+  static_cast<void>(read_pits(in, "final_"));
+  static_cast<void>(read_open_plateaus(in, "final_"));
+  const auto level = in.read<std::int32_t>("pit_level");
+  if (in.read<std::int32_t>("pit_xyz").size() != 3 * level.size() ||
+      in.read<std::uint64_t>("pit_vertices").size() != level.size())
+    contradicts(in.path(), "the arrays of its pits differ in length");
+}
+
+}  // namespace
+
+std::string DatasetIndex::tile_path(std::uint32_t tile) const {
+  return Layout(dir).terrain(tile);
+}
+
+std::string DatasetIndex::place(LatticePoint p) const {
+  char text[80];
+  std::snprintf(text, sizeof text, "(%.3f, %.3f)", lattice.x(p.x), lattice.y(p.y));
+  return text;
+}
+
+DatasetIndex load_index(const std::string& dir) {
+  DatasetIndex out;
+  out.dir = dir;
+  out.path = Layout(dir).index();
+  const store::Reader in(out.path);
+  out.lattice = read_lattice(in);
+  out.count = in.read<std::uint64_t>("tile_count");
+  out.box = unflatten(in.read<std::int32_t>("tile_box"));
+  out.triangles = in.read<std::uint64_t>("tile_triangles");
+  const auto number = [&](const std::string& name) {
+    const std::int64_t value = in.integer(name);
+    if (value < 0) contradicts(out.path, "the attribute '" + name + "' is negative");
+    return static_cast<std::uint64_t>(value);
+  };
+  out.points = number("points");
+  out.vertices = number("vertices");
+  out.duplicates = number("duplicates");
+  out.num_triangles = number("triangles");
+  out.pits = number("pits");
+  out.order = static_cast<int>(std::min<std::uint64_t>(number("order"), 1'000'000));
+  out.fingerprint = in.text("fingerprint");
+  out.outlets = in.text("outlets");
+  out.lowest = PointId(static_cast<std::uint64_t>(in.integer("lowest_point")));
+  const bool fits = number("tiles") == out.count.size() && out.box.size() == out.count.size() &&
+                    out.triangles.size() == out.count.size() && !out.count.empty() &&
+                    std::all_of(out.count.begin(), out.count.end(),
+                                [](std::uint64_t c) { return c < std::numeric_limits<std::uint32_t>::max(); });
+  if (!fits) contradicts(out.path, "its lists of tiles contradict each other");
+  if (out.outlets != "hull" && out.outlets != "lowest" && out.outlets != "none")
+    contradicts(out.path, "the outlets '" + out.outlets + "' are not known");
+  return out;
+}
+
+TerrainTile load_terrain_tile(const DatasetIndex& index, std::uint32_t tile) {
+  TerrainTile out;
+  out.path = index.tile_path(tile);
+  out.tile = tile;
+  const store::Reader in(out.path);
+  const std::uint64_t count = index.count[tile];
+  if (in.size("x") != count || in.size("y") != count || in.size("z") != count || in.size("height") != count)
+    contradicts(out.path, "it does not hold the " + std::to_string(count) + " points that the index names");
+  TilePoints own = read_points(in, 0, count);
+  out.num_own = static_cast<std::uint32_t>(count);
+  out.position = std::move(own.position);
+  out.measured = std::move(own.height);
+  out.height = in.read<std::int32_t>("height");
+  out.block_box = read_block_boxes(in);
+  read_foreign(in, index, out);
+  out.triangle = in.read<std::uint32_t>("triangle");
+  out.hull_edge = in.read<std::uint64_t>("hull_edge");
+  out.triangle_box = unflatten(in.read<std::int32_t>("triangle_box"));
+  if (out.triangle.size() != 3 * index.triangles[tile] || out.triangle.size() >= std::size_t{1} << 31)
+    contradicts(out.path,
+                "it does not hold the " + std::to_string(index.triangles[tile]) + " triangles that the index names");
+  if (out.hull_edge.size() % 2 != 0) contradicts(out.path, "the array of hull edges is cut");
+  if (out.triangle_box.size() != (out.triangle.size() / 3 + kRunTriangles - 1) / kRunTriangles)
+    contradicts(out.path, "the boxes do not fit the triangles");
+  if (std::any_of(out.triangle.begin(), out.triangle.end(), [&](std::uint32_t v) { return v >= out.num_vertices(); }))
+    contradicts(out.path, "a triangle refers to a vertex that is not listed");
+  out.fingerprint = in.text("fingerprint");
+  out.outlets = in.text("outlets");
+  out.pits_removed = in.integer("pits_removed") != 0;
+  read_the_rest(in);
+  return out;
+}
+
+}  // namespace hydrotin

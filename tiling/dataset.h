@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "block_index.h"
+#include "hydrotin/id.h"
+#include "hydrotin/lattice.h"
+#include "store.h"
+
+/// A finished data set read from its files alone.
+///
+/// Errors  Error(storage) naming the file.
+
+namespace hydrotin {
+
+/// terrain/index.h5.
+struct DatasetIndex {
+  std::string dir, path;
+  Lattice lattice;
+  std::vector<std::uint64_t> count;      ///< [tiles] own points
+  std::vector<LatticeBox> box;           ///< [tiles] of the own points
+  std::vector<std::uint64_t> triangles;  ///< [tiles]
+  std::uint64_t points = 0, vertices = 0, duplicates = 0, num_triangles = 0, pits = 0;
+  int order = 0;
+  std::string fingerprint;
+  std::string outlets;  ///< hull, lowest, or none where pits were left
+  PointId lowest;
+
+  [[nodiscard]] std::uint32_t num_tiles() const { return static_cast<std::uint32_t>(count.size()); }
+  [[nodiscard]] std::string tile_path(std::uint32_t tile) const;
+  /// "(x, y)" in the coordinates of the CRS.
+  [[nodiscard]] std::string place(LatticePoint p) const;
+};
+
+[[nodiscard]] DatasetIndex load_index(const std::string& dir);
+
+/// terrain/tile_NNNNNN.h5: n = own points + foreign points, numbered as its triangles refer to them.
+struct TerrainTile {
+  std::string path;
+  std::uint32_t tile = 0, num_own = 0;
+  std::vector<LatticePoint> position;    ///< [n]
+  std::vector<std::int32_t> measured;    ///< [n]
+  std::vector<std::int32_t> height;      ///< [n] final, kUnusedHeight where an own point is not used here
+  std::vector<std::uint64_t> foreign;    ///< ascending, of other tiles
+  std::vector<std::uint32_t> triangle;   ///< [3T] below n
+  std::vector<std::uint64_t> hull_edge;  ///< [2H]
+  std::vector<LatticeBox> block_box, triangle_box;
+  std::string fingerprint, outlets;
+  bool pits_removed = false;
+
+  [[nodiscard]] std::uint32_t num_vertices() const { return static_cast<std::uint32_t>(position.size()); }
+  [[nodiscard]] std::uint64_t id(std::uint32_t v) const {
+    return v < num_own ? PointId(tile, v).value : foreign[v - num_own];
+  }
+};
+
+/// Reads every array of the file, so that all its checksums are tested, and checks sizes and ranges.
+[[nodiscard]] TerrainTile load_terrain_tile(const DatasetIndex& index, std::uint32_t tile);
+
+}  // namespace hydrotin

@@ -328,6 +328,16 @@ TEST(App, Triangulate_Order0_IsDelaunay) {
     const Mesh mesh = read_mesh(folder / "t.ply");
     EXPECT_EQ(mesh.vertex.size(), 60U);
     EXPECT_EQ(mesh.triangle.size(), expected.size());
+    for (std::size_t v = 0; v < 60; ++v)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        EXPECT_NEAR(mesh.vertex[v][axis], points[v][axis], 1e-9) << "vertex i is row i";
+    Triples written;
+    for (const auto& t : mesh.triangle) {
+      std::array<int, 3> rows{static_cast<int>(t[0]), static_cast<int>(t[1]), static_cast<int>(t[2])};
+      std::sort(rows.begin(), rows.end());
+      written.insert(rows);
+    }
+    EXPECT_EQ(written, expected);
   }
 }
 

@@ -13,6 +13,6 @@ cmake --preset dev -DHYDROTIN_WERROR=ON
 cmake --build --preset dev -j "$jobs"
 
 echo "== damaged LAS and LAZ files under the address and undefined-behaviour sanitizers" >&2
-ctest --preset asan -R LasRobustness --no-tests=error
+ctest --preset asan -R LasRobustness --no-tests=error -j "$jobs"
 echo "== all tests" >&2
-ctest --preset dev --no-tests=error
+ctest --preset dev --no-tests=error -j "$jobs"

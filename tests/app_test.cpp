@@ -104,8 +104,14 @@ TEST(App, HelpAndVersion_GoToStdout) {
 
 TEST(App, FullStandardOutput_IsAStorageError) {
   const TemporaryFolder folder;
-  const int status = std::system("'" HYDROTIN_PROGRAM "' --help >/dev/full 2>/dev/null");
-  EXPECT_EQ(WEXITSTATUS(status), 4);
+  write_text(folder / "p.csv", csv_of(random_points(1, 2000)));
+  for (const std::string arguments : {"--help", "orders p.csv --json", "info p.csv --json"}) {
+    SCOPED_TRACE(arguments);
+    const int status = std::system(
+        ("cd '" + folder.path().string() + "' && '" HYDROTIN_PROGRAM "' " + arguments + " >/dev/full 2>/dev/null")
+            .c_str());
+    EXPECT_EQ(WEXITSTATUS(status), 4);
+  }
 }
 
 TEST(App, ConfigErrors_HaveExitCode2AndComeBeforeAnyWork) {
@@ -227,6 +233,81 @@ TEST(App, Info_RealPair_HasOneChecksum) {
   EXPECT_EQ(info.at("compressed"), true);
 }
 
+/// A folder with a small cloud of four files and a config for it.
+void prepare_run(const TemporaryFolder& folder) {
+  ASSERT_EQ(call(folder, "synth points --kind fluvial --points 30000 --tiles 2x2 --seed 3 --noise 0.2 --voids").code,
+            0);
+  write_text(
+      folder / "c.yaml",
+      "input: {points: [\"points/*.las\"]}\noutput: {dir: out}\ntiles: {target_points: 8000}\nrun: {workers: 2}\n");
+}
+
+TEST(App, Run_MakesAllResultsAndTheyCheck) {
+  const TemporaryFolder folder;
+  prepare_run(folder);
+  const Outcome dry = call(folder, "run c.yaml --dry-run --json");
+  ASSERT_EQ(dry.code, 0) << dry.err;
+  EXPECT_GT(json::parse(dry.out).at("tiles"), 1);
+  EXPECT_EQ(json::parse(dry.out).at("files"), 4);
+  EXPECT_EQ(json::parse(dry.out), json::parse(call(folder, "plan c.yaml --json").out));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out")) << "a dry run writes nothing";
+
+  const Outcome run = call(folder, "run c.yaml --json");
+  ASSERT_EQ(run.code, 0) << run.err;
+  const json summary = json::parse(run.out);
+  EXPECT_EQ(summary.at("ok"), true);
+  EXPECT_EQ(summary.at("pits"), 0);
+  EXPECT_EQ(summary.at("points"), json::parse(dry.out).at("points"));
+  for (const char* name : {"dem.tif", "hillshade.png", "layers.gpkg", "mesh", "report.txt", "report.json"})
+    EXPECT_TRUE(std::filesystem::exists(folder / ("out/" + std::string(name)))) << name;
+  EXPECT_NE(read_text(folder / "out/work/events.jsonl").find("\"event\":\"phase_ends\",\"phase\":\"report\""),
+            std::string::npos);
+
+  for (const char* target : {"c.yaml", "out"}) {
+    const Outcome check = call(folder, std::string("check ") + target + " --json --order-sample 0");
+    ASSERT_EQ(check.code, 0) << check.err;
+    for (const char* key : {"ok", "points", "vertices", "duplicates", "triangles", "order", "max_triangle_order",
+                            "pits", "river_edges", "invalid_river_edges", "problems", "fingerprint"})
+      EXPECT_EQ(json::parse(check.out).at(key), summary.at(key)) << key;
+  }
+  EXPECT_EQ(call(folder, "report c.yaml").out, read_text(folder / "out/report.txt"));
+  const json status = json::parse(call(folder, "status c.yaml --json").out);
+  for (const json& phase : status.at("phases")) EXPECT_EQ(phase.at("done"), phase.at("units")) << phase;
+}
+
+TEST(App, Phases_AsTasksOfAJobArrayGiveTheSameTerrain) {
+  const TemporaryFolder folder;
+  prepare_run(folder);
+  const json summary = json::parse(call(folder, "run c.yaml --json").out);
+  const json status = json::parse(call(folder, "status c.yaml --json").out);
+  ASSERT_FALSE(status.at("phases").empty());
+  for (const json& phase : status.at("phases"))
+    for (int task = 0; task < 2; ++task) {
+      const Outcome outcome =
+          call(folder, "phase " + phase.at("phase").get<std::string>() + " c.yaml --set output.dir=array --task " +
+                           std::to_string(task) + " --of 2");
+      ASSERT_EQ(outcome.code, 0) << outcome.err;
+    }
+  const Outcome check = call(folder, "check array --json");
+  ASSERT_EQ(check.code, 0) << check.err;
+  EXPECT_EQ(json::parse(check.out).at("fingerprint"), summary.at("fingerprint"));
+}
+
+TEST(App, Check_OfADamagedDataSet_HasExitCode6) {
+  const TemporaryFolder folder;
+  prepare_run(folder);
+  ASSERT_EQ(call(folder, "run c.yaml").code, 0);
+  const auto file = folder / "out/terrain/tile_000000.h5";
+  std::string bytes = read_text(file);
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x10);
+  write_text(file, bytes);
+  const Outcome check = call(folder, "check c.yaml --json");
+  EXPECT_EQ(check.code, 6);
+  const json result = json::parse(check.out);
+  EXPECT_EQ(result.at("ok"), false);
+  EXPECT_FALSE(result.at("problems").empty());
+}
+
 TEST(App, Triangulate_Order0_IsDelaunay) {
   const TemporaryFolder folder;
   for (std::uint32_t seed = 0; seed < 5; ++seed) {
@@ -247,6 +328,16 @@ TEST(App, Triangulate_Order0_IsDelaunay) {
     const Mesh mesh = read_mesh(folder / "t.ply");
     EXPECT_EQ(mesh.vertex.size(), 60U);
     EXPECT_EQ(mesh.triangle.size(), expected.size());
+    for (std::size_t v = 0; v < 60; ++v)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        EXPECT_NEAR(mesh.vertex[v][axis], points[v][axis], 1e-9) << "vertex i is row i";
+    Triples written;
+    for (const auto& t : mesh.triangle) {
+      std::array<int, 3> rows{static_cast<int>(t[0]), static_cast<int>(t[1]), static_cast<int>(t[2])};
+      std::sort(rows.begin(), rows.end());
+      written.insert(rows);
+    }
+    EXPECT_EQ(written, expected);
   }
 }
 

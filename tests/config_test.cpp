@@ -251,7 +251,7 @@ TEST(ProgressDisplay, Bar_ShowsRateAndTimeLeft) {
   }
   std::fclose(out);
   const std::string text = read_text(folder / "out");
-  EXPECT_NE(text.find("finish       [#######.......................] 1/4 units"), std::string::npos) << text;
+  EXPECT_NE(text.find("finish       [#####...............] 1/4 units"), std::string::npos) << text;
   EXPECT_NE(text.find("M points/s  ETA 0:0"), std::string::npos) << text;
   EXPECT_TRUE(text.ends_with("\r\033[K")) << "the bar is gone at the end";
   EXPECT_EQ(as_duration(59.2), "1:00");

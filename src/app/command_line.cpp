@@ -23,8 +23,12 @@ int complain(const std::string& text, int code) {
 }
 
 /// What was written to stdout must have arrived: a full disk behind a redirection is an error like any other.
+bool output_failed() {
+  return std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
+}
+
 int finish_output(int code) {
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+  if (!output_failed()) return code;
   return complain("standard output cannot be written (check the disk's free space)",
                   static_cast<int>(ErrorKind::storage));
 }
@@ -57,6 +61,7 @@ int run_command_line(int argc, char** argv) {
     return complain("out of memory (use smaller tiles, fewer workers, or a machine with more memory)",
                     static_cast<int>(ErrorKind::resource));
   } catch (const std::exception& problem) {
+    if (output_failed()) return finish_output(kOurBug);  // printing throws when the disk is full
     return complain(std::string("our bug, please report it: ") + problem.what(), kOurBug);
   } catch (...) {
     return complain("our bug, please report it: an exception of unknown type", kOurBug);

@@ -91,7 +91,9 @@ void print_summary(const DatasetSummary& summary, bool as_json) {
   fmt::print("vertices            {}\n", summary.vertices);
   fmt::print("triangles           {}\n", summary.triangles);
   fmt::print("order               {}\n", summary.order);
-  fmt::print("max triangle order  {} (of {} triangles recounted)\n", summary.max_triangle_order, summary.order_sample);
+  const std::string recounted =
+      summary.order_sample > 0 ? fmt::format(" (recounted for {} triangles)", summary.order_sample) : "";
+  fmt::print("max triangle order  {}{}\n", summary.max_triangle_order, recounted);
   fmt::print("pits                {}\n", summary.pits);
   fmt::print("fingerprint         {}\n", summary.fingerprint);
   for (const auto& problem : summary.problems) fmt::print("problem: {}\n", problem);

@@ -14,7 +14,7 @@
 namespace hydrotin::app {
 namespace {
 
-constexpr int kBarWidth = 30;
+constexpr int kBarWidth = 20;
 constexpr double kBarInterval = 0.1;
 
 std::string quoted(std::string_view text) {

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <string>
+#include <vector>
 
 #include "commands.h"
 #include "hydrotin/error.h"
@@ -53,12 +55,23 @@ std::uint32_t max_order(const OrderTables& tables, const std::vector<std::array<
   return most;
 }
 
+/// Vertices in the order of the input's rows: without duplicates vertex i is row i.
 void write_tin(const std::string& path, const SmallPoints& points, const PointSetTriangulation& result) {
+  std::vector<std::uint32_t> by_row(points.row.size()), rank(points.row.size());
+  std::iota(by_row.begin(), by_row.end(), 0U);
+  std::sort(by_row.begin(), by_row.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return points.row[a] < points.row[b]; });
   std::vector<MeshVertex> vertices;
-  for (std::size_t v = 0; v < points.position.size(); ++v)
+  vertices.reserve(by_row.size());
+  for (const std::uint32_t v : by_row) {
+    rank[v] = static_cast<std::uint32_t>(vertices.size());
     vertices.push_back({points.lattice.x(points.position[v].x), points.lattice.y(points.position[v].y),
                         points.lattice.z(points.height[v])});
-  write_ply(path, vertices, result.triangles, points.crs_wkt);
+  }
+  std::vector<MeshTriangle> triangles;
+  triangles.reserve(result.triangles.size());
+  for (const auto& [a, b, c] : result.triangles) triangles.push_back({rank[a], rank[b], rank[c]});
+  write_ply(path, vertices, triangles, points.crs_wkt);
 }
 
 struct TriangulateArguments {

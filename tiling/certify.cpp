@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace hydrotin {
 namespace {
@@ -54,25 +55,107 @@ std::vector<std::uint8_t> required_vertices(const TriangulationView& tri, const 
   return required;
 }
 
+// The regions that some triangulation of loaded points rests on, and whether they are covered. A triangulation that
+// leaves out the points inside `hole` says nothing about regions that meet it.
+class Evidence {
+ public:
+  Evidence(Neighborhood& around, const LatticeBox& hole) : around_(around), hole_(hole) {}
+
+  [[nodiscard]] bool covers(const Region& region, LatticePoint anchor) {
+    if (!hole_.is_empty() && region.meets(hole_)) return true;
+    return region.is_inside(around_.window()) || around_.covers(region, anchor);
+  }
+
+  [[nodiscard]] bool covers(const TriangulationView& tri, const DecidingCircle& circle) {
+    const LatticePoint u = tri.position[circle.u], s = tri.position[circle.s];
+    return covers(circle.p.is_none() ? half_plane_right_of(u, s) : disc_through(u, s, tri.position[circle.p]), u);
+  }
+
+ private:
+  Neighborhood& around_;
+  LatticeBox hole_;
+};
+
 // Marks the required vertices whose triangles all have covered discs; asks for what the others miss.
 std::vector<std::uint8_t> certain_vertices(const TriangulationView& tri, std::vector<std::uint8_t> required,
-                                           Neighborhood& around) {
+                                           Evidence& evidence) {
   std::vector<VertexId> doubtful;
   for (TriangleId t{0}; t.value < tri.num_triangles(); ++t.value) {
     const auto v = corners(tri, t);
     const auto anchor = std::find_if(v.begin(), v.end(), [&](VertexId p) { return required[p.value] != 0; });
     if (anchor == v.end()) continue;
     const Region disc = disc_through(tri.position[v[0]], tri.position[v[1]], tri.position[v[2]]);
-    if (disc.is_inside(around.window()) || around.covers(disc, tri.position[*anchor])) continue;
+    if (evidence.covers(disc, tri.position[*anchor])) continue;
     doubtful.insert(doubtful.end(), v.begin(), v.end());
   }
   for (const VertexId v : doubtful) required[v.value] = 0;
   return required;
 }
 
-bool is_covered(const TriangulationView& tri, const DecidingCircle& circle, Neighborhood& around) {
-  const LatticePoint u = tri.position[circle.u], s = tri.position[circle.s];
-  return around.covers(circle.p.is_none() ? half_plane_right_of(u, s) : disc_through(u, s, tri.position[circle.p]), u);
+// Grows the useful edges of all required vertices that are not decided yet, as far as they are certain.
+void grow_edges(const CertifiedTile& tile, const std::vector<std::uint8_t>& certain, int k, const LatticeBox& window,
+                Evidence& evidence, std::vector<std::uint8_t>& decided, UsefulEdges& edges) {
+  const TriangulationView tri = tile.triangulation.view();
+  decided.resize(tri.num_vertices());
+  if (k == 0) return;
+  PencilGrowth growth(tri, tile.links, k, window);
+  std::vector<DecidingCircle> beyond;
+  for (VertexId u{0}; u.value < tri.num_vertices(); ++u.value) {
+    if (!certain[u.value] || decided[u.value]) continue;
+    const std::uint32_t before = edges.size();
+    beyond.clear();
+    growth.grow(u, edges, beyond);
+    bool covered = true;
+    for (const DecidingCircle& circle : beyond) covered = evidence.covers(tri, circle) && covered;
+    if (covered)
+      decided[u.value] = 1;
+    else
+      edges.truncate(before);
+  }
+}
+
+// One look at a triangulation of `num_own` own points and others: asks for the points that are missing.
+void examine(CertifiedTile& tile, DelaunayBuilder& builder, std::uint32_t num_own, int k, const LatticeBox& hole,
+             Neighborhood& around, std::vector<std::uint8_t>& decided) {
+  tile.triangulation = builder.extract();
+  const TriangulationView tri = tile.triangulation.view();
+  tile.owned = owned_triangles(tri, num_own);
+  tile.links = vertex_links(tri);
+  Evidence evidence(around, hole);
+  const auto certain = certain_vertices(tri, required_vertices(tri, tile.owned, num_own, k), evidence);
+  grow_edges(tile, certain, k, around.window(), evidence, decided, tile.edges);
+}
+
+// Finds most of the points that will be missed from a ring along the border alone, at a fraction of the price.
+void scout(Neighborhood& around, int k) {
+  constexpr std::uint32_t kWorthwhile = 50'000;
+  constexpr std::int64_t kRingSpacings = 24;
+  if (around.num_own() < kWorthwhile) return;
+  const LatticeBox own = around.own_box();
+  const double area = (static_cast<double>(own.max.x) - own.min.x) * (static_cast<double>(own.max.y) - own.min.y);
+  const auto margin = static_cast<std::int64_t>(std::sqrt(area / around.num_own())) * kRingSpacings + 1;
+  const auto inner = [&](std::int32_t low, std::int32_t high) {
+    return std::pair{std::int64_t{low} + margin, std::int64_t{high} - margin};
+  };
+  const auto [x0, x1] = inner(own.min.x, own.max.x);
+  const auto [y0, y1] = inner(own.min.y, own.max.y);
+  if (x0 >= x1 || y0 >= y1) return;
+  const LatticeBox hole{{static_cast<std::int32_t>(x0), static_cast<std::int32_t>(y0)},
+                        {static_cast<std::int32_t>(x1), static_cast<std::int32_t>(y1)}};
+  std::vector<LatticePoint> ring;
+  for (std::uint32_t i = 0; i < around.num_own(); ++i)
+    if (!hole.contains(around.position()[i])) ring.push_back(around.position()[i]);
+  const auto num_ring = static_cast<std::uint32_t>(ring.size());
+  DelaunayBuilder builder;
+  builder.insert(ring);
+  std::size_t inserted = around.num_own();
+  do {
+    builder.insert(std::span(around.position()).subspan(inserted));
+    inserted = around.position().size();
+    CertifiedTile look;
+    std::vector<std::uint8_t> decided;
+    examine(look, builder, num_ring, k, hole, around, decided);
+  } while (around.fetch());
 }
 
 }  // namespace
@@ -80,38 +163,17 @@ bool is_covered(const TriangulationView& tri, const DecidingCircle& circle, Neig
 CertifiedTile certify(Neighborhood& around, int k) {
   CertifiedTile out;
   if (around.num_own() == 0) return out;
+  scout(around, k);
   DelaunayBuilder builder;
   std::size_t inserted = 0;
   std::vector<std::uint8_t> decided;
-  std::vector<DecidingCircle> beyond;
-  for (;;) {
+  do {
     ++out.rounds;
     builder.insert(std::span(around.position()).subspan(inserted));
     inserted = around.position().size();
-    out.triangulation = builder.extract();
-    const TriangulationView tri = out.triangulation.view();
-    out.owned = owned_triangles(tri, around.num_own());
-    out.links = vertex_links(tri);
-    const auto certain = certain_vertices(tri, required_vertices(tri, out.owned, around.num_own(), k), around);
-    decided.resize(tri.num_vertices());
-    if (k > 0) {
-      PencilGrowth growth(tri, out.links, k, around.window());
-      for (VertexId u{0}; u.value < tri.num_vertices(); ++u.value) {
-        if (!certain[u.value] || decided[u.value]) continue;
-        const std::uint32_t before = out.edges.size();
-        beyond.clear();
-        growth.grow(u, out.edges, beyond);
-        bool covered = true;
-        for (const DecidingCircle& circle : beyond) covered = is_covered(tri, circle, around) && covered;
-        if (covered)
-          decided[u.value] = 1;
-        else
-          out.edges.truncate(before);
-      }
-    }
+    examine(out, builder, around.num_own(), k, LatticeBox{}, around, decided);
     // Every doubt has asked for points; without new ones nothing is in doubt.
-    if (!around.fetch()) break;
-  }
+  } while (around.fetch());
   if (out.rounds > 1) locate_entries(out.triangulation.view(), out.links, out.edges);
   return out;
 }

@@ -117,7 +117,7 @@ bool Neighborhood::covers(const Region& region, LatticePoint anchor) {
     }
   }
   // A few blocks more cost less than another round.
-  constexpr std::size_t kFewBlocks = 32;
+  constexpr std::size_t kFewBlocks = 8;
   const double reach2 = missing.size() <= kFewBlocks ? std::numeric_limits<double>::infinity() : 4 * nearest2;
   for (const auto& [d2, t, b] : missing) {
     std::uint8_t& wanted = directory(t).wanted[b];

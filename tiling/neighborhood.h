@@ -30,6 +30,7 @@ class Neighborhood {
 
   [[nodiscard]] std::uint32_t num_own() const { return num_own_; }
   [[nodiscard]] const LatticeBox& window() const { return window_; }
+  [[nodiscard]] const LatticeBox& own_box() const { return context_.outline.box[tile_]; }
   [[nodiscard]] const std::vector<LatticePoint>& position() const { return position_; }
   [[nodiscard]] const std::vector<std::int32_t>& height() const { return height_; }
   [[nodiscard]] const std::vector<PointId>& point() const { return point_; }

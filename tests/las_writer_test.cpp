@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
+#include "hydrotin/crs.h"
 #include "hydrotin/error.h"
 #include "hydrotin/las.h"
-#include "hydrotin/las_crs.h"
 #include "las_memory_file.h"
 
 namespace hydrotin {
@@ -186,8 +186,8 @@ TEST(LasWriter, KnowsItsCrs) {
     writer.close();
     const LasHeader header = read_las_header(std::string(kPath));
     EXPECT_EQ(header.crs, c.found);
-    EXPECT_TRUE(same_horizontal_crs(header.crs_wkt, crs_from_text(c.given).wkt));
-    EXPECT_FALSE(same_horizontal_crs(header.crs_wkt, crs_from_text("EPSG:32633").wkt));
+    EXPECT_TRUE(same_crs(crs_from_wkt(header.crs_wkt, "a"), parse_crs(c.given, "crs")));
+    EXPECT_FALSE(same_crs(crs_from_wkt(header.crs_wkt, "a"), parse_crs("EPSG:32633", "crs")));
     VSIUnlink(std::string(kPath).c_str());
   }
   // A system that EPSG does not list: WKT says it in LAS 1.4, nothing can in LAS 1.2.
@@ -197,7 +197,7 @@ TEST(LasWriter, KnowsItsCrs) {
   writer.close();
   const LasHeader header = read_las_header(std::string(kPath));
   EXPECT_EQ(header.crs, header.crs_wkt);
-  EXPECT_TRUE(same_horizontal_crs(header.crs_wkt, crs_from_text(options.crs).wkt));
+  EXPECT_TRUE(same_crs(crs_from_wkt(header.crs_wkt, "a"), parse_crs(options.crs, "crs")));
   VSIUnlink(std::string(kPath).c_str());
   options.point_format = 1;
   EXPECT_THROW(LasWriter(std::string(kPath), options), Error);

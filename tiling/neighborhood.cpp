@@ -35,12 +35,15 @@ Neighborhood::Neighborhood(const RunContext& context, std::uint32_t tile, double
   if (num_own_ == 0) return;
 
   window_ = grown(context.outline.box[tile], halo);
-  for (std::uint32_t t = 0; t < context.outline.box.size(); ++t) {
-    if (t == tile || !window_.intersects(context.outline.box[t]) || context.outline.count[t] == 0) continue;
-    const Directory& other = directory(t);
-    for (std::uint32_t b = 0; b < other.box.size(); ++b)
-      if (window_.intersects(other.box[b])) load_block(t, b, &window_);
-  }
+  const auto meets_window = [&](const LatticeBox& box) { return window_.intersects(box); };
+  context.outline.tree.for_each(meets_window, [&](std::uint32_t t) {
+    if (t == tile) return true;
+    directory(t).tree.for_each(meets_window, [&](std::uint32_t b) {
+      load_block(t, b, &window_);
+      return true;
+    });
+    return true;
+  });
   for (const HullVertex& v : context.outline.hull)
     if (v.point.tile() != tile && !window_.contains(v.position)) {
       single_.insert(v.point.value);
@@ -59,6 +62,7 @@ Neighborhood::Directory& Neighborhood::directory(std::uint32_t tile) {
   if (found != directories_.end()) return found->second;
   Directory fresh;
   fresh.box = read_block_boxes(reader(tile));
+  fresh.tree = BoxTree(fresh.box);
   fresh.loaded.resize(fresh.box.size());
   fresh.wanted.resize(fresh.box.size());
   return directories_.emplace(tile, std::move(fresh)).first->second;
@@ -99,22 +103,25 @@ bool Neighborhood::covers(const Region& region, LatticePoint anchor) {
   if (region.is_inside(window_)) return true;
   // Tiles by distance, so that far ones are opened only if nothing nearer is missing.
   std::vector<std::pair<double, std::uint32_t>> tiles;
-  for (std::uint32_t t = 0; t < context_.outline.box.size(); ++t)
-    if (t != tile_ && region.meets(context_.outline.box[t]) &&
-        (region.is_half_plane || !is_within(context_.outline.box[t], window_)))
+  const auto meets = [&](const LatticeBox& box) { return region.meets(box); };
+  context_.outline.tree.for_each(meets, [&](std::uint32_t t) {
+    if (t != tile_ && (region.is_half_plane || !is_within(context_.outline.box[t], window_)))
       tiles.emplace_back(distance2(anchor, context_.outline.box[t]), t);
+    return true;
+  });
   std::sort(tiles.begin(), tiles.end());
   double nearest2 = -1;
   std::vector<std::tuple<double, std::uint32_t, std::uint32_t>> missing;
   for (const auto& [tile_distance2, t] : tiles) {
     if (nearest2 >= 0 && tile_distance2 > 4 * nearest2) break;
     const Directory& other = directory(t);
-    for (std::uint32_t b = 0; b < other.box.size(); ++b) {
-      if (!needs(other, b, region)) continue;
+    other.tree.for_each(meets, [&](std::uint32_t b) {
+      if (!needs(other, b, region)) return true;
       const double d2 = distance2(anchor, other.box[b]);
       missing.emplace_back(d2, t, b);
       if (nearest2 < 0 || d2 < nearest2) nearest2 = d2;
-    }
+      return true;
+    });
   }
   // A few blocks more cost less than another round.
   constexpr std::size_t kFewBlocks = 8;

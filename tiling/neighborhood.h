@@ -46,6 +46,7 @@ class Neighborhood {
  private:
   struct Directory {
     std::vector<LatticeBox> box;
+    BoxTree tree{{}};  // of `box`
     std::vector<std::uint8_t> loaded, wanted;
   };
 

@@ -86,6 +86,7 @@ Outline load_outline(const std::string& path) {
   out.points = static_cast<std::uint64_t>(in.integer("points"));
   for (const std::uint64_t c : out.count) out.vertices += c;
   out.duplicates = out.points - out.vertices;
+  out.tree = BoxTree(out.box);
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "box_tree.h"
 #include "hydrotin/id.h"
 #include "hydrotin/lattice.h"
 
@@ -26,6 +27,7 @@ struct Outline {
   std::uint64_t points = 0;          ///< kept by the filters
   std::uint64_t vertices = 0;
   std::uint64_t duplicates = 0;
+  BoxTree tree{{}};  ///< of `box`
 
   [[nodiscard]] LatticeBox bounds() const {
     LatticeBox all;

@@ -9,9 +9,9 @@
 #include <limits>
 #include <set>
 
+#include "hydrotin/crs.h"
 #include "hydrotin/error.h"
 #include "hydrotin/las.h"
-#include "hydrotin/las_crs.h"
 #include "recipe.h"
 #include "store.h"
 
@@ -32,7 +32,7 @@ std::vector<std::string> expand(const std::vector<std::string>& patterns) {
       for (std::size_t i = 0; i < found.gl_pathc; ++i) paths.insert(found.gl_pathv[i]);
     ::globfree(&found);
     if (status != 0)
-      throw Error(ErrorKind::config,
+      throw Error(ErrorKind::input,
                   "input.points: nothing matches '" + pattern + "'; check the path, relative to the config file");
   }
   if (paths.empty())
@@ -40,28 +40,31 @@ std::vector<std::string> expand(const std::vector<std::string>& patterns) {
   return {paths.begin(), paths.end()};
 }
 
-void check_crs(const std::vector<LasHeader>& headers, const std::vector<std::string>& paths,
-               const std::string& override_crs, Plan& plan) {
-  if (override_crs == "none") return;
+// One CRS for all inputs, in which x and y are lengths.
+Crs common_crs(const std::vector<LasHeader>& headers, const std::vector<std::string>& paths,
+               const std::string& override_crs) {
+  if (override_crs == "none") return {};
+  Crs crs;
   if (!override_crs.empty()) {
-    const LasCrs crs = crs_from_text(override_crs);
-    plan.crs = crs.name;
-    plan.crs_wkt = crs.wkt;
-    return;
+    crs = parse_crs(override_crs, "input.crs");
+  } else {
+    for (std::size_t i = 0; i < headers.size(); ++i) {
+      if (headers[i].crs_wkt.empty())
+        throw Error(ErrorKind::input, paths[i] +
+                                          ": no CRS in the file; set input.crs (for instance EPSG:2154, or none "
+                                          "for coordinates without one)");
+      const Crs own = crs_from_wkt(headers[i].crs_wkt, paths[i]);
+      if (i == 0) crs = own;
+      if (!same_crs(crs, own))
+        throw Error(ErrorKind::input, paths[i] + ": its CRS " + own.name + " is not that of " + paths[0] + ", " +
+                                          crs.name + "; reproject one of them, or set input.crs if a header is wrong");
+    }
   }
-  for (std::size_t i = 0; i < headers.size(); ++i) {
-    if (headers[i].crs_wkt.empty())
-      throw Error(
-          ErrorKind::input,
-          paths[i] +
-              ": no CRS in the file; set input.crs (for instance EPSG:2154, or none for coordinates without one)");
-    if (!same_horizontal_crs(headers[0].crs_wkt, headers[i].crs_wkt))
-      throw Error(ErrorKind::input, paths[i] + ": its CRS " + headers[i].crs + " is not that of " + paths[0] + ", " +
-                                        headers[0].crs +
-                                        "; reproject one of them, or set input.crs if a header is wrong");
-  }
-  plan.crs = headers[0].crs;
-  plan.crs_wkt = headers[0].crs_wkt;
+  if (!crs.is_projected)
+    throw Error(ErrorKind::input, paths[0] + ": its CRS " + crs.name +
+                                      " is not projected, but x and y have to be lengths; reproject the points, or set "
+                                      "input.crs if the header is wrong");
+  return crs;
 }
 
 // A file's points spread evenly over its box.
@@ -169,7 +172,10 @@ Plan make_plan(const PipelineOptions& options) {
   }
   if (with_points.empty())
     throw Error(ErrorKind::input, paths.front() + ": no point in any input; give files that have points");
-  check_crs(headers, paths, options.input.crs, plan);
+  const Crs crs = common_crs(headers, paths, options.input.crs);
+  plan.crs = crs.name;
+  plan.crs_wkt = crs.wkt;
+  plan.metres_per_unit = crs.metres_per_unit;
 
   CommonLattice common = common_lattice(with_points);
   plan.lattice = common.lattice;
@@ -200,6 +206,7 @@ void save_plan(const Plan& plan, const std::string& path) {
   out.set("recipe", plan.recipe);
   out.set("crs", plan.crs.size() < 60000 ? plan.crs : std::string());
   out.set("crs_wkt", plan.crs_wkt.size() < 60000 ? plan.crs_wkt : std::string());
+  out.set("metres_per_unit", plan.metres_per_unit);
   const Lattice& l = plan.lattice;
   out.append("lattice_scale_offset", std::vector<double>{l.scale_xy, l.scale_z, l.offset_x, l.offset_y, l.offset_z},
              "scale of x and y, scale of z, offsets of x, y, z: coordinate = (base + integer) * scale + offset");
@@ -235,6 +242,7 @@ Plan load_plan(const std::string& path) {
   plan.recipe = in.text("recipe");
   plan.crs = in.text("crs");
   plan.crs_wkt = in.text("crs_wkt");
+  plan.metres_per_unit = in.real("metres_per_unit");
   const auto scale = in.read<double>("lattice_scale_offset");
   const auto base = in.read<std::int64_t>("lattice_base");
   if (scale.size() != 5 || base.size() != 3) throw damaged();

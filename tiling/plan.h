@@ -35,6 +35,7 @@ struct Plan {
   std::string recipe;
   std::vector<PlanFile> files;  ///< by path
   std::string crs, crs_wkt;     ///< empty: none
+  double metres_per_unit = 1;   ///< of x and y
   Lattice lattice;
   std::vector<PlanNode> nodes;          ///< root first
   std::vector<LatticeBox> core;         ///< [tiles] closed boxes that cover the lattice without overlap

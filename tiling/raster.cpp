@@ -33,6 +33,37 @@ std::vector<LatticeBox> bounds_of_parts(const RunContext& context) {
   return bounds;
 }
 
+// Triangles of all parts that may cover cells of a box.
+std::vector<TrianglePatch> read_patches(const RunContext& context, const LatticeBox& reach) {
+  const std::vector<LatticeBox> parts = bounds_of_parts(context);
+  std::vector<TrianglePatch> patches;
+  for (std::uint32_t t = 0; t < parts.size(); ++t)
+    if (parts[t].intersects(reach))
+      patches.push_back(read_patch(store::Reader(context.layout.unit(Phase::finish, t)), reach));
+  return patches;
+}
+
+bool has_short_edges(const TrianglePatch& patch, std::size_t t, std::uint64_t max_squared_edge) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const LatticePoint a = patch.position[patch.triangle[3 * t + i]];
+    const LatticePoint b = patch.position[patch.triangle[3 * t + (i + 1) % 3]];
+    const double dx = static_cast<double>(b.x) - a.x, dy = static_cast<double>(b.y) - a.y;
+    // Only bounds are made of this: a hair too many triangles do no harm.
+    if (dx * dx + dy * dy > 1.0001 * static_cast<double>(max_squared_edge)) return false;
+  }
+  return true;
+}
+
+// The box of what will be drawn: a tile may own kilometres of nothing.
+LatticeBox drawn_bounds(const std::vector<TrianglePatch>& patches, std::uint64_t max_squared_edge) {
+  LatticeBox bounds;
+  for (const TrianglePatch& patch : patches)
+    for (std::size_t t = 0; 3 * t < patch.triangle.size(); ++t)
+      if (has_short_edges(patch, t, max_squared_edge))
+        for (std::size_t i = 0; i < 3; ++i) bounds.extend(patch.position[patch.triangle[3 * t + i]]);
+  return bounds;
+}
+
 struct DemCount {
   std::int64_t cells = 0, with_height = 0;
 };
@@ -41,9 +72,13 @@ DemCount write_dem(const RunContext& context, std::uint32_t tile) {
   const DemOptions& dem = context.options.output.dem;
   const Lattice& lattice = context.plan.lattice;
   const LatticeBox bounds = context.outline.bounds();
-  const LatticeBox box = intersection(context.plan.core[tile], bounds);
-  const RasterFrame frame = frame_around(lattice, bounds, dem.cell_m);
-  const CellRange window = cells_in(frame, lattice, box);
+  const LatticeBox core = intersection(context.plan.core[tile], bounds);
+  const RasterFrame frame = frame_around(lattice, bounds, dem.cell_m / context.plan.metres_per_unit);
+  const std::uint64_t limit =
+      dem.max_edge_m > 0 ? squared_edge_limit(dem.max_edge_m / context.plan.metres_per_unit, lattice) : kNoEdgeLimit;
+  if (core.is_empty()) return {};
+  const std::vector<TrianglePatch> patches = read_patches(context, with_far_sides(core));
+  const CellRange window = cells_in(frame, lattice, intersection(core, drawn_bounds(patches, limit)));
   if (window.is_empty()) return {};
   constexpr std::int64_t kMostCells = std::int64_t{1} << 31;
   const std::int64_t columns = window.num_columns(), rows = window.num_rows();
@@ -54,15 +89,9 @@ DemCount write_dem(const RunContext& context, std::uint32_t tile) {
                                          " DEM cells, more than memory can hold; raise output.dem.cell_m or lower "
                                          "tiles.target_points");
   std::vector<float> value(static_cast<std::size_t>(columns * rows), kNodata);
-  const std::uint64_t limit = dem.max_edge_m > 0 ? squared_edge_limit(dem.max_edge_m, lattice) : kNoEdgeLimit;
-  const LatticeBox reach = with_far_sides(box);
-  const std::vector<LatticeBox> parts = bounds_of_parts(context);
   std::uint64_t with_height = 0;
-  for (std::uint32_t t = 0; t < parts.size(); ++t) {
-    if (!parts[t].intersects(reach)) continue;
-    const TrianglePatch patch = read_patch(store::Reader(context.layout.unit(Phase::finish, t)), reach);
+  for (const TrianglePatch& patch : patches)
     with_height += rasterize(patch.position, patch.height, patch.triangle, lattice, frame, window, limit, value);
-  }
   const RasterGrid grid{frame.origin_x + static_cast<double>(window.column_begin) * frame.cell,
                         frame.origin_y - static_cast<double>(window.row_begin) * frame.cell,
                         frame.cell,

@@ -153,8 +153,8 @@ void read_input(const Reader& input, const std::filesystem::path& folder, const 
     }
   }
   if (const Reader crs = input.at("crs"); crs.is_given()) {
-    options.crs = crs.text("EPSG:n or WKT");
-    (void)parse_crs(options.crs, crs.place() + ": " + crs.name());
+    options.crs = crs.text("EPSG:n, WKT or none");
+    if (options.crs != "none") (void)parse_crs(options.crs, crs.place() + ": " + crs.name());
   }
   if (const Reader withheld = input.at("withheld"); withheld.is_given()) options.withheld = withheld.boolean();
   if (const Reader synthetic = input.at("synthetic"); synthetic.is_given()) options.synthetic = synthetic.boolean();

@@ -19,7 +19,8 @@ std::string wkt_of(const OGRSpatialReference& reference) {
   return wkt;
 }
 
-/// EPSG:n by the CRS's own authority, else by identifying its definition with one of EPSG's, else its name.
+/// EPSG:n of the horizontal part by its own authority, else by identifying its definition with one of EPSG's, else the
+/// CRS's name.
 std::string name_of(const OGRSpatialReference& reference) {
   const auto code_of = [](const OGRSpatialReference& r) -> std::string {
     const char* authority = r.GetAuthorityName(nullptr);
@@ -29,6 +30,8 @@ std::string name_of(const OGRSpatialReference& reference) {
   };
   if (auto code = code_of(reference); !code.empty()) return code;
   OGRSpatialReference copy(reference);
+  if (copy.IsCompound() != 0) copy.StripVertical();
+  if (auto code = code_of(copy); !code.empty()) return code;
   if (copy.AutoIdentifyEPSG() == OGRERR_NONE)
     if (auto code = code_of(copy); !code.empty()) return code;
   const char* name = reference.GetName();
@@ -87,11 +90,15 @@ bool same_crs(const Crs& a, const Crs& b) {
   if (a.wkt == b.wkt) return true;
   const gdal::MessageTrap trap;
   OGRSpatialReference first, second;
-  for (auto* reference : {&first, &second}) reference->SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   if (first.importFromWkt(a.wkt.c_str()) != OGRERR_NONE || second.importFromWkt(b.wkt.c_str()) != OGRERR_NONE)
     return false;
+  for (auto* reference : {&first, &second}) {
+    if (reference->IsCompound() != 0) reference->StripVertical();
+    reference->SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  }
   const char* const criteria[] = {"IGNORE_DATA_AXIS_TO_SRS_AXIS_MAPPING=YES",
-                                  "CRITERION=EQUIVALENT_EXCEPT_AXIS_ORDER_GEOGCRS", nullptr};
+                                  "CRITERION=EQUIVALENT_EXCEPT_AXIS_ORDER_GEOGCRS", "IGNORE_COORDINATE_EPOCH=YES",
+                                  nullptr};
   return first.IsSame(&second, criteria) != 0;
 }
 

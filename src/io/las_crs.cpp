@@ -171,30 +171,6 @@ LasCrs las_crs(const LasCrsRecords& records, bool wkt_first) {
   return second;
 }
 
-LasCrs crs_from_text(const std::string& text) {
-  LasCrs crs;
-  if (text.empty()) return crs;
-  const QuietGdal quiet;
-  OGRSpatialReference srs;
-  if (srs.SetFromUserInput(text.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) != OGRERR_NONE)
-    throw Error(ErrorKind::config, "\"" + text + "\" is no CRS (write it as EPSG:n, or as WKT)");
-  return describe(srs);
-}
-
-bool same_horizontal_crs(const std::string& wkt_a, const std::string& wkt_b) {
-  const QuietGdal quiet;
-  OGRSpatialReference a, b;
-  if (a.importFromWkt(wkt_a.c_str()) != OGRERR_NONE || b.importFromWkt(wkt_b.c_str()) != OGRERR_NONE) return false;
-  for (OGRSpatialReference* srs : {&a, &b}) {
-    if (srs->IsCompound() != 0) srs->StripVertical();
-    srs->SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-  }
-  const std::array<const char*, 4> options{"IGNORE_DATA_AXIS_TO_SRS_AXIS_MAPPING=YES",
-                                           "CRITERION=EQUIVALENT_EXCEPT_AXIS_ORDER_GEOGCRS",
-                                           "IGNORE_COORDINATE_EPOCH=YES", nullptr};
-  return a.IsSame(&b, options.data()) != 0;
-}
-
 std::string wkt_for_las14(const LasCrs& crs) {
   const QuietGdal quiet;
   OGRSpatialReference srs;

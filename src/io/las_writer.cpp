@@ -11,6 +11,7 @@
 #include <limits>
 #include <vector>
 
+#include "hydrotin/crs.h"
 #include "hydrotin/error.h"
 #include "hydrotin/las.h"
 #include "las_bytes.h"
@@ -105,7 +106,8 @@ void LasWriter::Impl::make_header() {
   header.assign(is_14 ? kHeader14 : kHeader12, 0);
   std::vector<std::uint8_t> record;
   if (!options.crs.empty()) {
-    const LasCrs crs = crs_from_text(options.crs);
+    const Crs given = parse_crs(options.crs, path + ": crs");
+    const LasCrs crs{given.name, given.wkt, {}};
     if (is_14) {
       const std::string wkt = wkt_for_las14(crs);
       if (wkt.size() >= 0xFFFF) fail(ErrorKind::config, "its CRS has a WKT too long for LAS");

@@ -31,11 +31,4 @@ struct LasCrs {
 /// Reads the records of a file. `wkt_first` is the file's word that WKT is the one that counts.
 [[nodiscard]] LasCrs las_crs(const LasCrsRecords& records, bool wkt_first);
 
-/// Reads what a user may give: "EPSG:n", WKT, PROJ text. Empty text gives no CRS.
-/// Fails: Error(config) where nothing of the kind can be made out.
-[[nodiscard]] LasCrs crs_from_text(const std::string& text);
-
-/// Do two WKTs mean the same horizontal system? Names, axis order and the vertical part do not count.
-[[nodiscard]] bool same_horizontal_crs(const std::string& wkt_a, const std::string& wkt_b);
-
 }  // namespace hydrotin

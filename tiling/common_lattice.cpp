@@ -13,12 +13,19 @@ namespace {
 
 constexpr double kDecimals = 1e10;  // scales and offsets are whole numbers of 1e-10 units
 
+// The shortest decimal fraction that names this double, in units of 1e-10. A product with 1e10 would be off by its
+// last bits for one offset in ten, and the common unit with it.
 std::optional<std::int64_t> as_decimal(double value) {
-  const double scaled = std::round(value * kDecimals);
-  if (!(std::fabs(scaled) < 9e18)) return std::nullopt;
-  // Offsets beyond 2^53 units of 1e-10 keep fewer decimals; they must still name the same double.
-  if (scaled / kDecimals != value) return std::nullopt;
-  return static_cast<std::int64_t>(scaled);
+  constexpr double kExact = 0x1p53;
+  std::int64_t rest = static_cast<std::int64_t>(kDecimals);
+  for (double power = 1; rest > 0; power *= 10, rest /= 10) {
+    const double digits = std::round(value * power);
+    if (!(std::fabs(digits) < kExact)) return std::nullopt;
+    if (digits / power != value) continue;
+    if (!(std::fabs(digits) * static_cast<double>(rest) < 9e18)) return std::nullopt;
+    return static_cast<std::int64_t>(digits) * rest;
+  }
+  return std::nullopt;
 }
 
 // Unit and per-file maps of one axis group (x and y together, or z alone).

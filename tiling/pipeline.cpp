@@ -39,6 +39,13 @@ RunContext stored_context(const PipelineOptions& options) {
   return context;
 }
 
+// The largest tile expected must fit: said now, not after all files are decoded.
+void require_memory(const RunContext& context) {
+  const std::vector<std::uint64_t>& expected = context.plan.expected;
+  const auto worst = std::max_element(expected.begin(), expected.end());
+  (void)tiles_in_flight(context.options.run, *worst, static_cast<std::uint64_t>(worst - expected.begin()));
+}
+
 void load_outline_into(RunContext& context) {
   context.outline = load_outline(context.layout.unit(Phase::outline, 0));
   if (context.outline.count.size() != context.plan.num_tiles())
@@ -91,6 +98,7 @@ DatasetSummary run_pipeline(const PipelineOptions& options, const RunControl& co
     progress.note("everything is complete already; nothing to do");
     return read_report(context.layout.report_json());
   }
+  require_memory(context);
   for (std::size_t p = 0; p <= static_cast<std::size_t>(control.until); ++p) {
     const auto phase = static_cast<Phase>(p);
     run_units(context, phase, 0, 1, control.overwrite, progress);

@@ -17,13 +17,17 @@ struct RawPoints {
 
 RawPoints gather(const RunContext& context, std::uint32_t tile) {
   RawPoints out;
-  for (std::uint32_t f = 0; f < context.plan.files.size(); ++f) {
+  const Plan& plan = context.plan;
+  for (const std::uint32_t f :
+       context.ingest_index->files_of(tile, context.layout, plan.files.size(), plan.num_tiles())) {
     const store::Reader in(context.layout.unit(Phase::ingest, f));
     const auto run_tile = in.read<std::uint32_t>("run_tile");
-    const auto run_first = in.read<std::uint64_t>("run_first");
-    const auto run_count = in.read<std::uint32_t>("run_count");
-    for (std::size_t r = 0; r < run_tile.size(); ++r) {
-      if (run_tile[r] != tile) continue;
+    const auto [first, last] = std::equal_range(run_tile.begin(), run_tile.end(), tile);
+    const auto begin = static_cast<std::uint64_t>(first - run_tile.begin());
+    const auto num_runs = static_cast<std::uint64_t>(last - first);
+    const auto run_first = in.read_range<std::uint64_t>("run_first", begin, num_runs);
+    const auto run_count = in.read_range<std::uint32_t>("run_count", begin, num_runs);
+    for (std::size_t r = 0; r < num_runs; ++r) {
       const std::size_t at = out.x.size(), count = run_count[r];
       for (const auto& [name, column] : {std::pair{"x", &out.x}, {"y", &out.y}, {"z", &out.z}}) {
         column->resize(at + count);

@@ -75,9 +75,16 @@ class Buckets {
 
   void finish() {
     flush();
-    out_.append("run_tile", run_tile_, "tile of a run");
-    out_.append("run_first", run_first_, "its first point");
-    out_.append("run_count", run_count_, "its points");
+    std::stable_sort(runs_.begin(), runs_.end(), [](const Run& a, const Run& b) { return a.tile < b.tile; });
+    const auto write = [&](const char* name, auto member, const char* meaning) {
+      std::vector<std::remove_cvref_t<decltype(runs_[0].*member)>> column;
+      column.reserve(runs_.size());
+      for (const Run& run : runs_) column.push_back(run.*member);
+      out_.append(name, column, meaning);
+    };
+    write("run_tile", &Run::tile, "tile of a run, ascending");
+    write("run_first", &Run::first, "its first point");
+    write("run_count", &Run::count, "its points");
     out_.append<std::int32_t>("x", std::span<const std::int32_t>(), "lattice");
     out_.append<std::int32_t>("y", std::span<const std::int32_t>(), "lattice");
     out_.append<std::int32_t>("z", std::span<const std::int32_t>(), "z lattice");
@@ -85,6 +92,11 @@ class Buckets {
   }
 
  private:
+  struct Run {
+    std::uint32_t tile, count;
+    std::uint64_t first;
+  };
+
   void flush() {
     std::vector<std::uint32_t> order(position_.size());
     std::iota(order.begin(), order.end(), 0U);
@@ -102,9 +114,7 @@ class Buckets {
     for (std::size_t i = 0; i < order.size();) {
       std::size_t end = i;
       while (end < order.size() && tile_[order[end]] == tile_[order[i]]) ++end;
-      run_tile_.push_back(tile_[order[i]]);
-      run_first_.push_back(written_ + i);
-      run_count_.push_back(static_cast<std::uint32_t>(end - i));
+      runs_.push_back({tile_[order[i]], static_cast<std::uint32_t>(end - i), written_ + i});
       i = end;
     }
     written_ += order.size();
@@ -118,8 +128,7 @@ class Buckets {
   std::vector<LatticePoint> position_;
   std::vector<std::int32_t> height_;
   std::vector<std::uint32_t> tile_;
-  std::vector<std::uint32_t> run_tile_, run_count_;
-  std::vector<std::uint64_t> run_first_;
+  std::vector<Run> runs_;
   std::uint64_t written_ = 0;
 };
 

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "hydrotin/options.h"
 #include "hydrotin/pipeline.h"
+#include "ingest_index.h"
 #include "layout.h"
 #include "outline.h"
 #include "plan.h"
@@ -24,7 +26,8 @@ struct RunContext {
   PipelineOptions options;
   Layout layout;
   Plan plan;
-  Outline outline;  ///< from phase `outline` on
+  Outline outline;                                                              ///< from phase `outline` on
+  std::shared_ptr<IngestIndex> ingest_index = std::make_shared<IngestIndex>();  ///< filled by the first tile arranged
 
   [[nodiscard]] std::string recipe(Phase phase) const { return hydrotin::recipe(plan.recipe, options, phase); }
 };

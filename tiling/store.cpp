@@ -137,6 +137,8 @@ struct Writer::Impl {
     std::vector<std::byte> pending;  // less than one chunk
   };
   std::map<std::string, Column> columns;
+  ChunkCodec codec;
+  std::vector<std::byte> padded, encoded;  // one chunk
 
   [[noreturn]] void fail_writing(const std::string& what) const {
     fail(path, what + " (" + std::strerror(errno) + ")", "check free space and permissions, then run again");
@@ -168,13 +170,12 @@ struct Writer::Impl {
   // Writes one chunk; a short last one is padded with zeros.
   void write_chunk(const std::string& name, Column& column, std::span<const std::byte> bytes, hsize_t elements) {
     const std::size_t size = size_of(column.type);
-    std::vector<std::byte> padded, encoded;
     if (elements < kChunkElements) {
       padded.assign(bytes.begin(), bytes.end());
       padded.resize(kChunkElements * size);
       bytes = padded;
     }
-    encode_chunk(bytes, size, encoded);
+    codec.encode(bytes, size, encoded);
     const Lock lock(library());
     const hsize_t extent = column.written + elements, offset = column.written;
     if (H5Dset_extent(column.dataset.get(), &extent) < 0 ||
@@ -292,6 +293,7 @@ struct Reader::Impl {
     bool direct = false;  // written with our own pipeline
   };
   mutable std::map<std::string, Column> columns{};
+  mutable ChunkCodec codec{};
 
   [[noreturn]] void damaged(const std::string& what) const {
     fail(path, what, "the file is damaged or not of this program: delete it and run again");
@@ -386,7 +388,7 @@ void Reader::read_bytes(const std::string& name, Type type, std::uint64_t first,
       if (H5Dread_chunk(column.dataset.get(), H5P_DEFAULT, &at, &mask, encoded.data()) < 0 || mask != 0)
         impl_->damaged("a part of the array '" + name + "' cannot be read");
     }
-    if (!decode_chunk(encoded, size, chunk)) impl_->damaged("the checksum of the array '" + name + "' is wrong");
+    if (!impl_->codec.decode(encoded, size, chunk)) impl_->damaged("the checksum of the array '" + name + "' is wrong");
     const std::uint64_t begin = std::max(first, offset);
     const std::uint64_t end = std::min(first + count, offset + std::uint64_t{kChunkElements});
     std::memcpy(target + (begin - first) * size, chunk.data() + (begin - offset) * size, (end - begin) * size);

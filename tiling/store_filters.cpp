@@ -1,9 +1,10 @@
 #include "store_filters.h"
 
-#include <zlib.h>
+#include <libdeflate.h>
 
 #include <algorithm>
-#include <array>
+#include <cassert>
+#include <new>
 
 namespace hydrotin::store {
 
@@ -29,35 +30,75 @@ std::uint32_t fletcher32(std::span<const std::byte> bytes) {
   return fold(sum2) << 16U | fold(sum1);
 }
 
-void encode_chunk(std::span<const std::byte> bytes, std::size_t element, std::vector<std::byte>& out) {
-  const std::size_t count = bytes.size() / element;
-  std::vector<std::byte> shuffled(bytes.size());
-  for (std::size_t i = 0; i < element; ++i)
-    for (std::size_t j = 0; j < count; ++j) shuffled[i * count + j] = bytes[j * element + i];
-  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
-  out.resize(size + 4);
-  compress2(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(shuffled.data()),
-            static_cast<uLong>(shuffled.size()), Z_BEST_SPEED);
+namespace {
+
+// Element sizes are constants, so that the loops become vector instructions.
+template <std::size_t kElement>
+void shuffle(const std::byte* in, std::size_t count, std::byte* out) {
+  for (std::size_t j = 0; j < count; ++j)
+    for (std::size_t i = 0; i < kElement; ++i) out[i * count + j] = in[j * kElement + i];
+}
+
+template <std::size_t kElement>
+void unshuffle(const std::byte* in, std::size_t count, std::byte* out) {
+  for (std::size_t j = 0; j < count; ++j)
+    for (std::size_t i = 0; i < kElement; ++i) out[j * kElement + i] = in[i * count + j];
+}
+
+}  // namespace
+
+struct ChunkCodec::Impl {
+  static constexpr int kFastest = 1;
+
+  std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor{nullptr,
+                                                                                           libdeflate_free_compressor};
+  std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)> decompressor{
+      nullptr, libdeflate_free_decompressor};
+  std::vector<std::byte> shuffled;
+};
+
+ChunkCodec::ChunkCodec() : impl_(std::make_unique<Impl>()) {}
+ChunkCodec::~ChunkCodec() = default;
+
+void ChunkCodec::encode(std::span<const std::byte> bytes, std::size_t element, std::vector<std::byte>& out) {
+  assert(element == 1 || element == 4 || element == 8);
+  auto& [compressor, unused, shuffled] = *impl_;
+  if (!compressor) compressor.reset(libdeflate_alloc_compressor(Impl::kFastest));
+  if (!compressor) throw std::bad_alloc();
+  const std::byte* stream = bytes.data();
+  if (element > 1) {
+    shuffled.resize(bytes.size());
+    (element == 4 ? shuffle<4> : shuffle<8>)(bytes.data(), bytes.size() / element, shuffled.data());
+    stream = shuffled.data();
+  }
+  out.resize(libdeflate_zlib_compress_bound(compressor.get(), bytes.size()) + 4);
+  const std::size_t size = libdeflate_zlib_compress(compressor.get(), stream, bytes.size(), out.data(), out.size() - 4);
+  assert(size > 0 && "the bound holds");
   const std::uint32_t sum = fletcher32(std::span(out).first(size));
   for (std::size_t i = 0; i < 4; ++i) out[size + i] = static_cast<std::byte>(sum >> (8 * i));
   out.resize(size + 4);
 }
 
-bool decode_chunk(std::span<const std::byte> encoded, std::size_t element, std::span<std::byte> out) {
+bool ChunkCodec::decode(std::span<const std::byte> encoded, std::size_t element, std::span<std::byte> out) {
+  assert(element == 1 || element == 4 || element == 8);
   if (encoded.size() < 4) return false;
   const auto stream = encoded.first(encoded.size() - 4);
   std::uint32_t sum = 0;
   for (std::size_t i = 0; i < 4; ++i) sum |= std::to_integer<std::uint32_t>(encoded[stream.size() + i]) << (8 * i);
   if (sum != fletcher32(stream)) return false;
-  std::vector<std::byte> shuffled(out.size());
-  uLongf size = static_cast<uLongf>(shuffled.size());
-  if (uncompress(reinterpret_cast<Bytef*>(shuffled.data()), &size, reinterpret_cast<const Bytef*>(stream.data()),
-                 static_cast<uLong>(stream.size())) != Z_OK ||
-      size != shuffled.size())
+  auto& [unused, decompressor, shuffled] = *impl_;
+  if (!decompressor) decompressor.reset(libdeflate_alloc_decompressor());
+  if (!decompressor) throw std::bad_alloc();
+  std::byte* target = out.data();
+  if (element > 1) {
+    shuffled.resize(out.size());
+    target = shuffled.data();
+  }
+  // Without a place for the actual size, any other than that of the chunk is a failure.
+  if (libdeflate_zlib_decompress(decompressor.get(), stream.data(), stream.size(), target, out.size(), nullptr) !=
+      LIBDEFLATE_SUCCESS)
     return false;
-  const std::size_t count = out.size() / element;
-  for (std::size_t i = 0; i < element; ++i)
-    for (std::size_t j = 0; j < count; ++j) out[j * element + i] = shuffled[i * count + j];
+  if (element > 1) (element == 4 ? unshuffle<4> : unshuffle<8>)(shuffled.data(), out.size() / element, out.data());
   return true;
 }
 

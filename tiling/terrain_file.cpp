@@ -78,18 +78,26 @@ Lattice read_lattice(const store::Reader& in) {
 TrianglePatch read_patch(const store::Reader& in, const LatticeBox& box) {
   TrianglePatch patch;
   patch.triangle = read_runs(in, box);
-  std::vector<std::uint32_t> used = patch.triangle;
-  std::sort(used.begin(), used.end());
-  used.erase(std::unique(used.begin(), used.end()), used.end());
-  const std::uint64_t num_own = in.size("x");
-  const auto own_end = static_cast<std::size_t>(
-      std::partition_point(used.begin(), used.end(), [&](std::uint32_t v) { return v < num_own; }) - used.begin());
-  read_own(in, std::span(used).first(own_end), patch);
-  std::vector<std::uint32_t> number(used.begin() + static_cast<std::ptrdiff_t>(own_end), used.end());
-  for (std::uint32_t& f : number) f = static_cast<std::uint32_t>(f - num_own);
-  read_foreign(in, number, patch);
-  for (std::uint32_t& v : patch.triangle)
-    v = static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), v) - used.begin());
+  const std::uint64_t num_own = in.size("x"), num_vertices = num_own + in.size("foreign_point");
+  if (num_vertices > std::numeric_limits<std::uint32_t>::max()) damaged(in, "it claims too many vertices");
+  if (std::any_of(patch.triangle.begin(), patch.triangle.end(), [&](std::uint32_t v) { return v >= num_vertices; }))
+    damaged(in, "a triangle refers to a vertex that is not listed");
+  // Numbers the references in use by a table of all: triangles of a tile use most of them.
+  constexpr std::uint32_t kUnused = 0, kUsed = 1;
+  std::vector<std::uint32_t> number(patch.triangle.empty() ? 0 : num_vertices, kUnused);
+  for (const std::uint32_t v : patch.triangle) number[v] = kUsed;
+  std::vector<std::uint32_t> own, foreign;
+  for (std::uint32_t v = 0; v < number.size(); ++v) {
+    if (number[v] == kUnused) continue;
+    number[v] = static_cast<std::uint32_t>(own.size() + foreign.size());
+    if (v < num_own)
+      own.push_back(v);
+    else
+      foreign.push_back(static_cast<std::uint32_t>(v - num_own));
+  }
+  for (std::uint32_t& v : patch.triangle) v = number[v];
+  read_own(in, own, patch);
+  read_foreign(in, foreign, patch);
   return patch;
 }
 

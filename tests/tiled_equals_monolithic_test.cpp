@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "hydrotin/error.h"
 #include "layout.h"
 #include "monolith.h"
 #include "plan.h"
@@ -165,6 +166,27 @@ TEST_P(TiledEqualsMonolithic, KilledAndResumed) {
     EXPECT_TRUE(checked.ok) << (checked.problems.empty() ? "" : checked.problems.front());
   }
   EXPECT_GE(killed, 5);
+}
+
+// Every phase as a job array of three tasks, the last task first; single-unit phases leave nothing to tasks 1 and 2.
+TEST_P(TiledEqualsMonolithic, PhasesAsJobArrays) {
+  const TemporaryFolder folder;
+  const TestCloud cloud = make_test_cloud(GetParam(), 4, 10'000);
+  PipelineOptions options =
+      testing::options_for(testing::write_files(folder, cloud.position, cloud.height, 2), folder / "out");
+  options.tiles.target_points = 2'000;
+  testing::Silent silent;
+  EXPECT_THROW(run_phase(options, Phase::ingest, 0, 1, silent), Error);  // no plan yet
+  for (std::size_t p = 0; p < kNumPhases; ++p) {
+    for (const std::uint64_t task : {2, 1, 0}) run_phase(options, static_cast<Phase>(p), task, 3, silent);
+    const PhaseStatus status = pipeline_status(options)[p];
+    EXPECT_EQ(status.done, status.units) << name(static_cast<Phase>(p));
+  }
+  const DatasetSummary checked = check_dataset(options.output.dir, 0);
+  EXPECT_TRUE(checked.ok) << (checked.problems.empty() ? "" : checked.problems.front());
+  EXPECT_EQ(checked.order_sample, checked.triangles);
+  EXPECT_LE(checked.max_triangle_order, options.triangulation.order);
+  EXPECT_EQ(checked.fingerprint, monolith_of(cloud, options).fingerprint);
 }
 
 struct RealCloud {

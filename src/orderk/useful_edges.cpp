@@ -18,29 +18,26 @@ constexpr double kRatioError = 2e-15;
 
 struct Vector {
   double x, y;
+
+  [[nodiscard]] double extent() const { return std::max(std::fabs(x), std::fabs(y)); }
 };
 
-bool is_small(Vector p) {
-  return std::max(std::fabs(p.x), std::fabs(p.y)) < kExactExtent;
-}
-
-// The cross product; exact if both are small, else the sign is.
-double cross(Vector p, Vector q, bool small) {
+// The cross product; exact for small vectors, else the sign is.
+double cross(Vector p, Vector q) {
   const double left = p.x * q.y, right = p.y * q.x;
   const double d = left - right;
-  if (small || std::fabs(d) > 1e-15 * (std::fabs(left) + std::fabs(right))) return d;
+  // Below 2^52 the products are exact, or the right one is so large that it decides.
+  if (std::fabs(left) < 0x1p52 || std::fabs(d) > 1e-15 * (std::fabs(left) + std::fabs(right))) return d;
   __extension__ using Wide = __int128;
   const auto wide = [](double v) { return static_cast<Wide>(v); };
   return static_cast<double>(wide(p.x) * wide(q.y) - wide(p.y) * wide(q.x));
 }
 
-// A point seen from u in the pencil of circles through u and s. The circle through u, s and p is
+// A point in the pencil of circles through u and s. With u as origin, the circle through u, s and p is
 // x.(x - s) = ratio * (x cross s); right of us (positive cross product) a smaller ratio is hit earlier by circles that
 // slide to the right, left of us later.
 struct Hit {
   VertexId p;
-  bool small;
-  Vector at;  // relative to u
   double ratio;
 };
 
@@ -48,10 +45,35 @@ double ratio(Vector p, Vector s, double p_cross_s) {
   return (p.x * (p.x - s.x) + p.y * (p.y - s.y)) / p_cross_s;
 }
 
-// Whether the order of two ratios is certain as computed; `gap` is their difference.
+// Whether the order of two ratios of small vectors is certain as computed; `gap` is their difference.
 bool is_certain(const Hit& p, const Hit& q, double gap) {
-  return p.small && q.small && std::fabs(gap) > kRatioError * (std::fabs(p.ratio) + std::fabs(q.ratio));
+  return std::fabs(gap) > kRatioError * (std::fabs(p.ratio) + std::fabs(q.ratio));
 }
+
+// Points in one pencil. Ratios decide as long as all vectors are small, predicates otherwise.
+struct HitList {
+  std::vector<Hit> hit;  // the first `size` are in use: no element is built anew
+  std::size_t size = 0;
+  double extent = 0;  // of all vectors that the ratios are made of
+
+  void restart(Vector s) {
+    size = 0;
+    extent = s.extent();
+  }
+  void make_room(std::size_t more) {
+    if (hit.size() < size + more) hit.resize(2 * (size + more));
+  }
+  void add(VertexId p, Vector at, double r) {
+    extent = std::max(extent, at.extent());
+    hit[size++] = {p, r};
+  }
+  [[nodiscard]] bool is_exact() const { return extent < kExactExtent; }
+  [[nodiscard]] bool has(VertexId p) const {
+    for (std::size_t i = 0; i < size; ++i)
+      if (hit[i].p == p) return true;
+    return false;
+  }
+};
 
 // The edge us and the points right of it inside the circle at which the pencil stands.
 struct Pencil {
@@ -65,6 +87,11 @@ struct Pencil {
     return false;
   }
   void add(VertexId p) { inside[static_cast<std::size_t>(count++)] = p; }
+  void copy(const Pencil& other) {
+    s = other.s;
+    count = other.count;
+    std::copy_n(other.inside.begin(), count, inside.begin());
+  }
 };
 
 }  // namespace
@@ -81,9 +108,7 @@ struct PencilGrowth::Impl {
   double reach2 = 0;  // squared distance from u to the border of the window
   HalfedgeId entry{};
   std::vector<Pencil> stack{};
-  std::vector<Hit> frontier{};  // the first frontier_size are in use: no element is built anew
-  std::size_t frontier_size = 0;
-  std::vector<Hit> right{}, left{};
+  HitList frontier{}, right{}, left{};
   UsefulEdges* edges = nullptr;
   std::vector<DecidingCircle>* beyond = nullptr;
 
@@ -93,164 +118,150 @@ struct PencilGrowth::Impl {
   }
 
   // Whether p is hit before q by circles through u and s that slide to the right; both lie right of us.
-  [[nodiscard]] bool before(const Hit& p, const Hit& q, VertexId s) const {
+  [[nodiscard]] bool before(const Hit& p, const Hit& q, VertexId s, bool exact) const {
     const double gap = p.ratio - q.ratio;
-    if (is_certain(p, q, gap)) return gap < 0;
+    if (exact && is_certain(p, q, gap)) return gap < 0;
     return p.p != q.p && in_circle(tri.position[s], at_u, tri.position[q.p], tri.position[p.p]);
   }
 
   // Whether `p`, left of uv, lies inside the circle through u, v and `q`, right of uv.
-  [[nodiscard]] bool inside_from_left(const Hit& p, const Hit& q, VertexId v) const {
+  [[nodiscard]] bool inside_from_left(const Hit& p, const Hit& q, VertexId v, bool exact) const {
     const double gap = p.ratio - q.ratio;
-    if (is_certain(p, q, gap)) return gap > 0;
+    if (exact && is_certain(p, q, gap)) return gap > 0;
     return in_circle(tri.position[v], at_u, tri.position[q.p], tri.position[p.p]);
   }
 
   // A disc through u and s lies within a distance of its diameter from u.
-  void certify(VertexId s, Vector at_s, double last_ratio, VertexId last) {
-    const double diameter2 = (at_s.x * at_s.x + at_s.y * at_s.y) * (1 + last_ratio * last_ratio);
-    if (!(diameter2 * (1 + 1e-9) < reach2)) beyond->push_back({u, s, last});
+  void certify(VertexId s, Vector at_s, const Hit& last) {
+    const double diameter2 = (at_s.x * at_s.x + at_s.y * at_s.y) * (1 + last.ratio * last.ratio);
+    if (!(diameter2 * (1 + 1e-9) < reach2)) beyond->push_back({u, s, last.p});
   }
 
   // The neighbours of c right of us that are not inside yet.
-  void add_neighbors(VertexId c, const Pencil& pencil, Vector at_s, bool small_s) {
+  void add_neighbors(VertexId c, const Pencil& pencil, Vector at_s) {
     const auto link = links.of(c);
-    if (frontier.size() < frontier_size + link.size()) frontier.resize(2 * (frontier_size + link.size()));
-    Hit* end = frontier.data() + frontier_size;
+    frontier.make_room(link.size());
     for (const VertexId w : link) {
       const Vector at = relative(w);
-      const bool small = small_s && is_small(at);
-      const double d = cross(at, at_s, small);
+      const double d = cross(at, at_s);
       if (!(d > 0) || pencil.has(w)) continue;  // left of us, or on its line as u and s are
-      *end++ = {w, small, at, ratio(at, at_s, d)};
+      frontier.add(w, at, ratio(at, at_s, d));
     }
-    frontier_size = static_cast<std::size_t>(end - frontier.data());
   }
 
   // Index of the frontier's point that is hit first: the smallest ratio, by predicate where rounding leaves doubt.
   [[nodiscard]] std::size_t first_hit(VertexId s) const {
+    const Hit* hit = frontier.hit.data();
+    const std::size_t size = frontier.size;
     std::size_t smallest = 0;
-    double least = frontier[0].ratio;
-    bool all_small = frontier[0].small;
-    for (std::size_t i = 1; i < frontier_size; ++i) {
-      const bool less = frontier[i].ratio < least;
+    double least = hit[0].ratio;
+    for (std::size_t i = 1; i < size; ++i) {
+      const bool less = hit[i].ratio < least;
       smallest = less ? i : smallest;
-      least = less ? frontier[i].ratio : least;
-      all_small &= frontier[i].small;
+      least = less ? hit[i].ratio : least;
     }
     // Nothing but ratios next to the least one can be in doubt.
     const double doubtful = least + 3 * kRatioError * std::fabs(least);
     std::size_t num_close = 0;
-    for (std::size_t i = 0; i < frontier_size; ++i) num_close += frontier[i].ratio <= doubtful;
-    if (all_small && num_close == 1) return smallest;
+    for (std::size_t i = 0; i < size; ++i) num_close += hit[i].ratio <= doubtful;
+    const bool exact = frontier.is_exact();
+    if (exact && num_close == 1) return smallest;
     std::size_t best = 0;
-    for (std::size_t i = 1; i < frontier_size; ++i)
-      if (before(frontier[i], frontier[best], s)) best = i;
+    for (std::size_t i = 1; i < size; ++i)
+      if (before(hit[i], hit[best], s, exact)) best = i;
     return best;
   }
 
   // Removes and returns the point hit next; `p` none if nothing lies right of us.
   Hit take_next(const Pencil& pencil) {
-    while (frontier_size > 0) {
+    while (frontier.size > 0) {
       const std::size_t best = first_hit(pencil.s);
-      const Hit hit = frontier[best];
-      frontier[best] = frontier[--frontier_size];
+      const Hit hit = frontier.hit[best];
+      frontier.hit[best] = frontier.hit[--frontier.size];
       if (!pencil.has(hit.p)) return hit;  // two points inside may have brought it
     }
-    return {VertexId{}, true, {0, 0}, std::numeric_limits<double>::infinity()};
+    return {VertexId{}, std::numeric_limits<double>::infinity()};
   }
 
   void slide(Pencil& pencil) {
     const Vector at_s = relative(pencil.s);
-    const bool small_s = is_small(at_s);
-    frontier_size = 0;
+    frontier.restart(at_s);
     Vector leftmost = relative(pencil.inside[0]);
-    bool small_leftmost = is_small(leftmost);
-    const auto is_left_of_all = [&](Vector at, bool small) { return cross(leftmost, at, small && small_leftmost) > 0; };
     for (int i = 0; i < pencil.count; ++i) {
       const VertexId p = pencil.inside[static_cast<std::size_t>(i)];
-      add_neighbors(p, pencil, at_s, small_s);
+      add_neighbors(p, pencil, at_s);
       const Vector at = relative(p);
-      if (i > 0 && is_left_of_all(at, is_small(at))) {
-        leftmost = at;
-        small_leftmost = is_small(at);
-      }
+      if (i > 0 && cross(leftmost, at) > 0) leftmost = at;
     }
     for (;;) {
       const Hit hit = take_next(pencil);
       const bool at_end = hit.p.is_none() || pencil.count == k;
-      if (at_end) certify(pencil.s, at_s, hit.ratio, hit.p);
+      if (at_end) certify(pencil.s, at_s, hit);
       if (hit.p.is_none()) return;
-      if (is_left_of_all(hit.at, is_small(hit.at))) {
-        consider(hit, pencil);
-        leftmost = hit.at;
-        small_leftmost = is_small(hit.at);
+      const Vector at = relative(hit.p);
+      if (cross(leftmost, at) > 0) {
+        consider(hit.p, at, pencil);
+        leftmost = at;
       }
       if (at_end) return;
       pencil.add(hit.p);
-      add_neighbors(hit.p, pencil, at_s, small_s);
+      add_neighbors(hit.p, pencil, at_s);
     }
   }
 
   // Collects the points left of uv inside the circle through u, v and s2; false if there are more than k.
-  bool collect_left(VertexId s1, const Hit& s2, VertexId v, Vector at_v, bool small_v) {
-    left.clear();
-    const auto hit_of = [&](VertexId w, Vector at, bool small, double d) {
-      return Hit{w, small, at, ratio(at, at_v, d)};
-    };
+  bool collect_left(VertexId s1, const Hit& s2, VertexId v, Vector at_v) {
+    left.restart({std::max(at_v.extent(), right.extent), 0});
+    left.make_room(static_cast<std::size_t>(k) + 1);
     const Vector at_s1 = relative(s1);
-    const bool small_s1 = small_v && is_small(at_s1);
-    left.push_back(hit_of(s1, at_s1, small_s1, cross(at_s1, at_v, small_s1)));
-    for (std::size_t i = 0; i < left.size(); ++i)
-      for (const VertexId w : links.of(left[i].p)) {
+    left.add(s1, at_s1, ratio(at_s1, at_v, cross(at_s1, at_v)));
+    for (std::size_t i = 0; i < left.size; ++i)
+      for (const VertexId w : links.of(left.hit[i].p)) {
         const Vector at = relative(w);
-        const bool small = small_v && is_small(at);
-        const double d = cross(at, at_v, small);
+        const double d = cross(at, at_v);
         if (!(d < 0)) continue;
-        const Hit hit = hit_of(w, at, small, d);
-        if (!inside_from_left(hit, s2, v)) continue;
-        if (std::any_of(left.begin(), left.end(), [&](const Hit& known) { return known.p == w; })) continue;
-        if (left.size() == static_cast<std::size_t>(k)) return false;
-        left.push_back(hit);
+        const Hit hit{w, ratio(at, at_v, d)};
+        if (!inside_from_left(hit, s2, v, left.is_exact() && at.extent() < kExactExtent) || left.has(w)) continue;
+        if (left.size == static_cast<std::size_t>(k)) return false;
+        left.add(w, at, hit.ratio);
       }
     return true;
   }
 
   // Lemma 2.1 for the edge from u to the hit v, with s1 = the pencil's s and the points inside C(u, v, s1) known.
-  void consider(const Hit& hit, const Pencil& pencil) {
-    const VertexId v = hit.p;
-    const bool small_v = is_small(hit.at);
-    right.clear();
+  void consider(VertexId v, Vector at_v, const Pencil& pencil) {
+    right.restart(at_v);
+    right.make_room(static_cast<std::size_t>(pencil.count));
     for (int i = 0; i < pencil.count; ++i) {
       const VertexId q = pencil.inside[static_cast<std::size_t>(i)];
       const Vector at = relative(q);
-      const bool small = small_v && is_small(at);
-      right.push_back({q, small, at, ratio(at, hit.at, cross(at, hit.at, small))});
+      right.add(q, at, ratio(at, at_v, cross(at, at_v)));
     }
-    if (right.size() > 1)
-      std::sort(right.begin(), right.end(), [&](const Hit& p, const Hit& q) { return before(p, q, v); });
-    if (!collect_left(pencil.s, right.front(), v, hit.at, small_v)) return;
-    certify(v, hit.at, right.front().ratio, right.front().p);
+    if (right.size > 1)
+      std::sort(right.hit.begin(), right.hit.begin() + static_cast<std::ptrdiff_t>(right.size),
+                [&](const Hit& p, const Hit& q) { return before(p, q, v, right.is_exact()); });
+    if (!collect_left(pencil.s, right.hit[0], v, at_v)) return;
+    certify(v, at_v, right.hit[0]);
     if (at_u < tri.position[v]) emit(v);
-    Pencil& child = stack.emplace_back();
-    child.s = v;
-    for (int i = 0; i < pencil.count; ++i) child.add(pencil.inside[static_cast<std::size_t>(i)]);
+    stack.emplace_back().copy(pencil);
+    stack.back().s = v;
   }
 
   void emit(VertexId v) {
-    if (left.size() > 1)
-      std::sort(left.begin(), left.end(), [&](const Hit& p, const Hit& q) {
-        const double gap = p.ratio - q.ratio;
-        if (is_certain(p, q, gap)) return gap > 0;
-        return p.p != q.p && in_circle(at_u, tri.position[v], tri.position[q.p], tri.position[p.p]);
-      });
+    if (left.size > 1)
+      std::sort(left.hit.begin(), left.hit.begin() + static_cast<std::ptrdiff_t>(left.size),
+                [&](const Hit& p, const Hit& q) {
+                  const double gap = p.ratio - q.ratio;
+                  if (left.is_exact() && is_certain(p, q, gap)) return gap > 0;
+                  return p.p != q.p && in_circle(at_u, tri.position[v], tri.position[q.p], tri.position[p.p]);
+                });
     edges->a.push_back(u);
     edges->b.push_back(v);
-    edges->useful_order.push_back(static_cast<std::uint8_t>(std::max(right.size(), left.size())));
-    edges->num_right.push_back(static_cast<std::uint8_t>(right.size()));
+    edges->useful_order.push_back(static_cast<std::uint8_t>(std::max(right.size, left.size)));
+    edges->num_right.push_back(static_cast<std::uint8_t>(right.size));
     edges->entry.push_back(entry);
-    for (const Hit& p : right) edges->content.push_back(p.p);
-    for (const Hit& p : left) edges->content.push_back(p.p);
+    for (std::size_t i = 0; i < right.size; ++i) edges->content.push_back(right.hit[i].p);
+    for (std::size_t i = 0; i < left.size; ++i) edges->content.push_back(left.hit[i].p);
     edges->content_begin.push_back(static_cast<std::uint32_t>(edges->content.size()));
   }
 
@@ -266,9 +277,7 @@ struct PencilGrowth::Impl {
     pencil.add(m0);
     slide(pencil);
     while (!stack.empty()) {
-      pencil.s = stack.back().s;
-      pencil.count = 0;
-      for (int i = 0; i < stack.back().count; ++i) pencil.add(stack.back().inside[static_cast<std::size_t>(i)]);
+      pencil.copy(stack.back());
       stack.pop_back();
       slide(pencil);
     }

@@ -5,6 +5,7 @@
 #include "hydrotin/lifting.h"
 #include "phases.h"
 #include "reduced_store.h"
+#include "whole_array.h"
 
 namespace hydrotin {
 namespace {
@@ -14,8 +15,9 @@ store::Reader open_spill(const RunContext& context, std::uint32_t tile) {
 }
 
 RimLevels levels_of_all(const RunContext& context) {
-  std::vector<SpillTree> trees;
-  for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t) trees.push_back(read_tree(open_spill(context, t)));
+  std::vector<SpillTree> trees(context.plan.num_tiles());
+  for_all(context, trees.size(),
+          [&](std::uint64_t t) { trees[t] = read_tree(open_spill(context, static_cast<std::uint32_t>(t))); });
   RimLevels levels = drain(trees);
   const auto lost = std::find(levels.level.begin(), levels.level.end(), kNoLevel);
   if (lost != levels.level.end())

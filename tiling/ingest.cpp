@@ -40,7 +40,8 @@ class Selector {
 };
 
 std::int32_t place(const PlanFile& file, std::size_t axis, std::int32_t value) {
-  const std::int64_t v = value * file.map.factor[axis] + file.map.shift[axis];
+  __extension__ using Wide = __int128;
+  const Wide v = static_cast<Wide>(value) * file.map.factor[axis] + file.map.shift[axis];
   // The ends of the range mean "none" and "no level".
   if (v <= std::numeric_limits<std::int32_t>::min() || v >= std::numeric_limits<std::int32_t>::max())
     throw Error(ErrorKind::input, file.path + ": a point with " + "xyz"[axis] + " = " + std::to_string(value) +

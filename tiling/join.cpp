@@ -3,6 +3,7 @@
 
 #include "phases.h"
 #include "pieces.h"
+#include "whole_array.h"
 
 namespace hydrotin {
 namespace {
@@ -21,9 +22,12 @@ struct AllPieces {
 };
 
 AllPieces read_all(const RunContext& context) {
+  std::vector<PieceSummary> tiles(context.plan.num_tiles());
+  for_all(context, tiles.size(), [&](std::uint64_t t) {
+    tiles[t] = read_piece_summary(store::Reader(context.layout.unit(Phase::triangulate, t)));
+  });
   AllPieces all;
-  for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t) {
-    const PieceSummary tile = read_piece_summary(store::Reader(context.layout.unit(Phase::triangulate, t)));
+  for (const PieceSummary& tile : tiles) {
     for (const BorderEdge& e : tile.border) all.border.push_back({e.a, e.b, all.first.back() + e.piece});
     all.num_triangles.insert(all.num_triangles.end(), tile.num_triangles.begin(), tile.num_triangles.end());
     all.first.push_back(all.num_triangles.size());

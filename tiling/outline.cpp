@@ -6,6 +6,7 @@
 #include "block_index.h"
 #include "phases.h"
 #include "store.h"
+#include "whole_array.h"
 
 namespace hydrotin {
 namespace {
@@ -19,18 +20,22 @@ HullVertex read_vertex(const store::Reader& in, std::uint32_t tile, std::uint32_
   return {PointId(tile, index), point.position[0], point.height[0]};
 }
 
-void add_tile(const store::Reader& in, std::uint32_t tile, Outline& out, std::vector<HullVertex>& candidates) {
-  const auto boxes = read_block_boxes(in);
+struct TileOutline {
   LatticeBox box;
-  for (const LatticeBox& b : boxes) box.extend(b);
-  out.box.push_back(box);
-  out.count.push_back(in.size("x"));
-  out.points += static_cast<std::uint64_t>(in.integer("points"));
-  out.vertices += out.count.back();
-  if (out.count.back() == 0) return;
-  for (const std::uint32_t i : in.read<std::uint32_t>("hull")) candidates.push_back(read_vertex(in, tile, i));
-  const HullVertex low = read_vertex(in, tile, static_cast<std::uint32_t>(in.integer("lowest")));
-  if (out.lowest.point == PointId() || lower(low, out.lowest)) out.lowest = low;
+  std::uint64_t count = 0, points = 0;
+  std::vector<HullVertex> hull;
+  HullVertex lowest;
+};
+
+TileOutline outline_of(const store::Reader& in, std::uint32_t tile) {
+  TileOutline out;
+  for (const LatticeBox& b : read_block_boxes(in)) out.box.extend(b);
+  out.count = in.size("x");
+  out.points = static_cast<std::uint64_t>(in.integer("points"));
+  if (out.count == 0) return out;
+  for (const std::uint32_t i : in.read<std::uint32_t>("hull")) out.hull.push_back(read_vertex(in, tile, i));
+  out.lowest = read_vertex(in, tile, static_cast<std::uint32_t>(in.integer("lowest")));
+  return out;
 }
 
 }  // namespace
@@ -38,8 +43,19 @@ void add_tile(const store::Reader& in, std::uint32_t tile, Outline& out, std::ve
 void make_outline(const RunContext& context) {
   Outline outline;
   std::vector<HullVertex> candidates;
-  for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t)
-    add_tile(store::Reader(context.layout.unit(Phase::arrange, t)), t, outline, candidates);
+  std::vector<TileOutline> tiles(context.plan.num_tiles());
+  for_all(context, tiles.size(), [&](std::uint64_t t) {
+    tiles[t] = outline_of(store::Reader(context.layout.unit(Phase::arrange, t)), static_cast<std::uint32_t>(t));
+  });
+  for (const TileOutline& tile : tiles) {
+    outline.box.push_back(tile.box);
+    outline.count.push_back(tile.count);
+    outline.points += tile.points;
+    outline.vertices += tile.count;
+    candidates.insert(candidates.end(), tile.hull.begin(), tile.hull.end());
+    if (tile.count > 0 && (outline.lowest.point == PointId() || lower(tile.lowest, outline.lowest)))
+      outline.lowest = tile.lowest;
+  }
   outline.duplicates = outline.points - outline.vertices;
   if (outline.vertices == 0)
     throw Error(ErrorKind::input,

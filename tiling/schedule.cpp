@@ -146,9 +146,13 @@ void run_units(const RunContext& context, Phase phase, std::uint64_t task, std::
     const std::lock_guard lock(reporting);
     progress.unit_done(phase, unit, work_of(context, phase, unit), complete);
   };
-  tbb::parallel_pipeline(units_at_once(context, phase),
-                         tbb::make_filter<void, std::uint64_t>(tbb::filter_mode::serial_in_order, next_unit) &
-                             tbb::make_filter<std::uint64_t, void>(tbb::filter_mode::parallel, make));
+  if (is_single(phase)) {
+    for (; upcoming < end; upcoming += of) make(upcoming);  // no TBB task around loops that use OpenMP
+  } else {
+    tbb::parallel_pipeline(units_at_once(context, phase),
+                           tbb::make_filter<void, std::uint64_t>(tbb::filter_mode::serial_in_order, next_unit) &
+                               tbb::make_filter<std::uint64_t, void>(tbb::filter_mode::parallel, make));
+  }
   progress.phase_ends(phase, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
 }
 

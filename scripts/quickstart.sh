@@ -16,6 +16,6 @@ echo "== running configs/quickstart.yaml" >&2
 
 echo
 echo "The results are in quickstart/out (open them in QGIS):"
-for result in dem.tif hillshade.png layers.gpkg mesh report.txt report.json; do
+for result in dem.tif hillshade.png layers.gpkg mesh terrain report.txt report.json; do
   [ ! -e "quickstart/out/$result" ] || echo "  quickstart/out/$result"
 done

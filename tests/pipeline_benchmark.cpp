@@ -45,7 +45,7 @@ struct Arguments {
 };
 
 struct ChildResult {
-  double seconds = 0;
+  double seconds = 0, cpu_seconds = 0;
   std::uint64_t peak_bytes = 0;
 };
 
@@ -70,8 +70,11 @@ ChildResult run_child(const std::vector<std::string>& command, const fs::path& o
     if (errno != EINTR) throw std::runtime_error(std::string("cannot wait for a process: ") + std::strerror(errno));
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
     throw std::runtime_error(fmt::format("{} {} failed (status {})", command[0], command[1], status));
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
   return {std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
-          static_cast<std::uint64_t>(usage.ru_maxrss) * 1024};
+          seconds(usage.ru_utime) + seconds(usage.ru_stime), static_cast<std::uint64_t>(usage.ru_maxrss) * 1024};
 }
 
 std::vector<fs::path> las_files(const fs::path& dir) {
@@ -158,6 +161,7 @@ Json measure_pipeline(const Arguments& arguments, const fs::path& points, const 
     if (event["event"] == "phase_ends") phases[event["phase"].get<std::string>()] = event["seconds"];
   }
   return {{"seconds", child.seconds},
+          {"cpu_seconds", child.cpu_seconds},
           {"peak_bytes", child.peak_bytes},
           {"phases", phases},
           {"summary", read_json(dir / "summary.json")}};
@@ -190,6 +194,8 @@ void print_table(const Json& results) {
   for (const auto& [phase, unused] : results.back()["pipeline"]["phases"].items())
     print_row("  " + phase, results, "", [&](const Json& r) { return seconds(r["pipeline"]["phases"][phase]); });
   print_row("pipeline", results, "", [&](const Json& r) { return seconds(r["pipeline"]["seconds"]); });
+  print_row("  CPU time", results, "of all threads: on a busy machine, what it would take",
+            [&](const Json& r) { return seconds(r["pipeline"]["cpu_seconds"]); });
   print_row("B'", results, "", [](const Json& r) {
     return fmt::format("{:.2f} M/s", r["plain"]["points_per_second"].get<double>() / 1e6);
   });

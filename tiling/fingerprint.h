@@ -1,11 +1,11 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdio>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "hydrotin/lattice.h"
 
@@ -25,7 +25,12 @@ struct Fingerprint {
   using Corner = std::array<std::int32_t, 3>;  ///< x, y, final z
 
   void add(std::array<Corner, 3> corners) {
-    std::sort(corners.begin(), corners.end());
+    const auto put_in_order = [](Corner& low_corner, Corner& high_corner) {
+      if (key(high_corner) < key(low_corner)) std::swap(low_corner, high_corner);
+    };
+    put_in_order(corners[0], corners[1]);
+    put_in_order(corners[1], corners[2]);
+    put_in_order(corners[0], corners[1]);
     std::uint64_t a = 0x6a09e667f3bcc908ULL, b = 0xbb67ae8584caa73bULL;
     for (const Corner& c : corners) {
       const std::uint64_t xy = std::uint64_t{static_cast<std::uint32_t>(c[0])} << 32 | static_cast<std::uint32_t>(c[1]);
@@ -55,6 +60,10 @@ struct Fingerprint {
   friend bool operator==(const Fingerprint&, const Fingerprint&) = default;
 
  private:
+  // Ascends with (x, y), then z. Vertices of a sound triangle differ in (x, y); of a damaged one they need not.
+  static constexpr std::pair<std::int64_t, std::int32_t> key(const Corner& c) {
+    return {std::int64_t{c[0]} * (std::int64_t{1} << 32) + (c[1] + (std::int64_t{1} << 31)), c[2]};
+  }
   // A bijection of 64 bits in which every bit of the input moves about half of the output's.
   static constexpr std::uint64_t mixed(std::uint64_t v) {
     v = (v ^ v >> 32) * 0xd6e8feb86659fd93ULL;

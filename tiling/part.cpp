@@ -149,21 +149,21 @@ void keep_used(std::vector<std::uint32_t> triangle, const Numbering& numbering, 
 void put_in_order(std::vector<std::uint32_t>& triangle, std::uint32_t num_vertices) {
   using Corners = std::array<std::uint32_t, 3>;
   std::vector<std::uint32_t> begin(std::size_t{num_vertices} + 1, 0);
-  const auto rotated = [&](std::size_t t) {
-    Corners c{triangle[3 * t], triangle[3 * t + 1], triangle[3 * t + 2]};
-    std::rotate(c.begin(), std::min_element(c.begin(), c.end()), c.end());
-    return c;
-  };
   const std::size_t num_triangles = triangle.size() / 3;
-  for (std::size_t t = 0; t < num_triangles; ++t) ++begin[rotated(t)[0] + 1];
+  for (std::size_t t = 0; t < num_triangles; ++t)
+    ++begin[std::min({triangle[3 * t], triangle[3 * t + 1], triangle[3 * t + 2]}) + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<Corners> sorted(num_triangles);
   std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
   for (std::size_t t = 0; t < num_triangles; ++t) {
-    const Corners c = rotated(t);
-    sorted[next[c[0]]++] = c;
+    const std::uint32_t a = triangle[3 * t], b = triangle[3 * t + 1], c = triangle[3 * t + 2];
+    const std::uint32_t first = std::min({a, b, c});
+    sorted[next[first]++] = a == first ? Corners{a, b, c} : b == first ? Corners{b, c, a} : Corners{c, a, b};
   }
-  for (std::uint32_t v = 0; v < num_vertices; ++v) std::sort(sorted.begin() + begin[v], sorted.begin() + begin[v + 1]);
+  for (std::uint32_t v = 0; v < num_vertices; ++v)
+    if (begin[v + 1] - begin[v] > 1)
+      std::sort(sorted.begin() + begin[v], sorted.begin() + begin[v + 1],
+                [](const Corners& a, const Corners& b) { return a[1] != b[1] ? a[1] < b[1] : a[2] < b[2]; });
   for (std::size_t t = 0; t < num_triangles; ++t) std::copy(sorted[t].begin(), sorted[t].end(), &triangle[3 * t]);
 }
 

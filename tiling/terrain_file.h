@@ -20,9 +20,12 @@
 ///     triangle        u32 [3T]  counter-clockwise: < N own point, else N + entry of foreign_point
 ///     triangle_box    i32 [4R]  boxes of runs of 1024 triangles
 ///     hull_edge       u64 [2H]  origin, target; the terrain on the left
-///     pit_xyz         i32 [3Q]  pits before lifting inside this part: place and height; pit_level i32, pit_vertices
-///     u64 final_...                 plateaus of the final heights (see reduced_store.h) lattice_scale_offset f64 [5],
-///     lattice_base i64 [3]: coordinate = (base + integer) * scale + offset
+///     pit_xyz         i32 [3Q]  pits before lifting inside this part: place and height
+///     pit_level       i32 [Q]   where they overflow
+///     pit_vertices    u64 [Q]   vertices of their plateaus
+///     final_...                 plateaus of the final heights (see reduced_store.h)
+///     lattice_scale_offset f64 [5], lattice_base i64 [3]
+///                               coordinate = (base + integer) * scale + offset
 ///
 /// Attributes: tile, crs, points, vertices, triangles, rim_vertices, order, outlets (hull, lowest), pits_removed (0,
 /// 1), inner_lifted, inner_lift_total, inner_lift_max (vertices off the rim), fingerprint, recipe, writer.

@@ -220,7 +220,7 @@ void write_hillshade(const std::filesystem::path& path, const std::filesystem::p
   for (const bool world : {true, false}) std::remove(sidecar(file.temporary(), world).c_str());
   {
     const gdal::MessageTrap trap;
-    gdal::StringList creation{"WORLDFILE=YES", "ZLEVEL=6"};
+    gdal::StringList creation{"WORLDFILE=YES", "ZLEVEL=4"};
     gdal::Dataset image(
         GDALCreateCopy(driver("PNG"), file.temporary().c_str(), shaded.get(), FALSE, creation.get(), nullptr, nullptr));
     if (!image) trap.fail(ErrorKind::storage, path, "cannot be written", "check the disk's free space");

@@ -471,6 +471,46 @@ TEST(Inputs, FilesInsideArchives) {
   EXPECT_NE(text.find("none.las"), std::string::npos) << text;
 }
 
+// Names and contents of what users open; reports and HDF5 files apart, which say how a run was made.
+std::map<std::string, std::string> results_in(const std::string& dir) {
+  std::map<std::string, std::string> out;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(dir)) {
+    const std::string name = std::filesystem::relative(entry.path(), dir).string();
+    if (!entry.is_regular_file()) continue;
+    out[name] = name.starts_with("report") || name.ends_with(".h5") ? "" : testing::bytes_of(entry.path().string());
+  }
+  return out;
+}
+
+TEST(Outputs, OfAnEarlierRunInTheFolderAreGone) {
+  const TemporaryFolder folder;
+  write_places(folder / "a.las", hills(6, 4'000, kX0, kY0, 100'000, 80'000));
+  write_places(folder / "small.las", hills(6, 40, kX0 + 50, kY0 + 600, 300, 300));
+  PipelineOptions many = options_of({folder / "a.las"}, folder / "reused");
+  many.output.dem.enabled = true;
+  PipelineOptions few = many, mesh_only = many, dem_only = many, no_cell = many;
+  few.tiles.target_points = 100'000;
+  few.output.dem.cell_m = 3;
+  few.output.dem.hillshade = false;
+  mesh_only.output.dem.enabled = false;
+  dem_only.output.mesh_ply = false;
+  dem_only.output.dem.cog = false;
+  no_cell.input.points = {folder / "small.las"};
+  int serial = 0;
+  for (PipelineOptions next : {few, mesh_only, dem_only, no_cell, many}) {
+    SCOPED_TRACE(serial);
+    (void)run(many);
+    std::ofstream(many.output.dir + "/mesh/tile_of_mine.txt") << "not ours";
+    (void)run(next);
+    EXPECT_TRUE(check_dataset(next.output.dir, 100).ok);
+    EXPECT_TRUE(std::filesystem::remove(many.output.dir + "/mesh/tile_of_mine.txt"));
+    auto reused = results_in(next.output.dir);
+    next.output.dir = folder / ("fresh" + std::to_string(serial++));
+    (void)run(next);
+    EXPECT_TRUE(reused == results_in(next.output.dir));
+  }
+}
+
 TEST(Outputs, CarryTheCrsAndAgreeWithEachOther) {
   const TemporaryFolder folder;
   const auto points = hills(6, 12'000, kX0, kY0, 150'000, 120'000);

@@ -6,6 +6,7 @@
 #include "block_index.h"
 #include "hydrotin/raster_frame.h"
 #include "hydrotin/rasterize.h"
+#include "leftovers.h"
 #include "phases.h"
 #include "terrain_file.h"
 
@@ -44,7 +45,10 @@ DemCount write_dem(const RunContext& context, std::uint32_t tile) {
   const LatticeBox box = intersection(context.plan.core[tile], bounds);
   const RasterFrame frame = frame_around(lattice, bounds, dem.cell_m);
   const CellRange window = cells_in(frame, lattice, box);
-  if (window.is_empty()) return {};
+  if (window.is_empty()) {
+    remove_leftover(context.layout.dem_tile(tile));
+    return {};
+  }
   constexpr std::int64_t kMostCells = std::int64_t{1} << 31;
   const std::int64_t columns = window.num_columns(), rows = window.num_rows();
   if (columns > kMostCells / rows ||

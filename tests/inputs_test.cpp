@@ -511,6 +511,46 @@ TEST(Outputs, OfAnEarlierRunInTheFolderAreGone) {
   }
 }
 
+TEST(Outputs, DemTilesTooLargeForOneBand) {
+  const TemporaryFolder folder;
+  write_places(folder / "a.las", hills(6, 6'000, kX0, kY0, 90'000, 100'000));
+  PipelineOptions whole = options_of({folder / "a.las"}, folder / "whole");
+  whole.output.dem = {true, 0.03, 3.0, true, false};
+  PipelineOptions cut = whole;
+  whole.tiles.target_points = 100'000;
+  cut.output.dir = folder / "cut";
+  (void)run(whole);
+  (void)run(cut);
+  EXPECT_EQ(testing::files_in(whole.output.dir + "/dem", ".tif").size(), 1U);
+  const Raster one = read_raster(whole.output.dir + "/dem.tif"), many = read_raster(cut.output.dir + "/dem.tif");
+  EXPECT_GT(one.grid.size(), std::size_t{1} << 23);  // a band has fewer cells
+  EXPECT_EQ(one.grid, many.grid);
+  EXPECT_TRUE(one.value == many.value);
+  testing::expect_dem_interpolates(whole.output.dir, 3.0, 300);
+}
+
+TEST(Outputs, RasterInBandsIsTheRasterInOnePiece) {
+  const TemporaryFolder folder;
+  const RasterGrid grid{500'000, 4'000'000, 2, 2, 700, 1'300};
+  std::vector<float> value(grid.size());
+  Random random(3);
+  for (float& v : value) v = random.below(5) == 0 ? kNodata : static_cast<float>(random.below(1'000)) / 8;
+  write_places(folder / "crs.las", hills(1, 3, kX0, kY0, 1'000, 1'000));
+  const std::string wkt = read_las_header(folder / "crs.las").crs_wkt;
+  write_geotiff(folder / "whole.tif", grid, value, wkt);
+  EXPECT_TRUE(read_raster(folder / "whole.tif").value == value);
+  for (const std::uint32_t rows : {256U, 512U, 1'300U, 2'048U}) {
+    const auto fill = [&](std::uint32_t first, std::span<float> band) {
+      EXPECT_EQ(first % rows, 0U);
+      EXPECT_TRUE(std::all_of(band.begin(), band.end(), [](float v) { return v == kNodata; }));
+      const auto from = value.begin() + std::ptrdiff_t{first} * grid.num_columns;
+      std::copy(from, from + static_cast<std::ptrdiff_t>(band.size()), band.begin());
+    };
+    write_geotiff(folder / "bands.tif", grid, rows, fill, wkt);
+    EXPECT_TRUE(testing::bytes_of(folder / "bands.tif") == testing::bytes_of(folder / "whole.tif")) << rows;
+  }
+}
+
 TEST(Outputs, CarryTheCrsAndAgreeWithEachOther) {
   const TemporaryFolder folder;
   const auto points = hills(6, 12'000, kX0, kY0, 150'000, 120'000);

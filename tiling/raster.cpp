@@ -34,6 +34,20 @@ std::vector<LatticeBox> bounds_of_parts(const RunContext& context) {
   return bounds;
 }
 
+// A raster is made in bands of rows of about so many cells: a tile may be mostly void and wider than memory.
+constexpr std::int64_t kBlockRows = 256, kBandCells = std::int64_t{1} << 23;
+
+// All lattice points between which the centres of a band's rows lie.
+LatticeBox around_rows(const RasterFrame& frame, const Lattice& lattice, const CellRange& band) {
+  constexpr std::int64_t kLeast = std::numeric_limits<std::int32_t>::min(),
+                         kMost = std::numeric_limits<std::int32_t>::max();
+  const auto lattice_row = [&](std::int64_t row) { return center_y(frame, lattice, row) >> kSubLatticeBits; };
+  const auto low = std::clamp(lattice_row(band.row_end - 1), kLeast, kMost);
+  const auto high = std::clamp(lattice_row(band.row_begin) + 1, kLeast, kMost);
+  return {{static_cast<std::int32_t>(kLeast), static_cast<std::int32_t>(low)},
+          {static_cast<std::int32_t>(kMost), static_cast<std::int32_t>(high)}};
+}
+
 struct DemCount {
   std::int64_t cells = 0, with_height = 0;
 };
@@ -49,31 +63,36 @@ DemCount write_dem(const RunContext& context, std::uint32_t tile) {
     remove_leftover(context.layout.dem_tile(tile));
     return {};
   }
-  constexpr std::int64_t kMostCells = std::int64_t{1} << 31;
   const std::int64_t columns = window.num_columns(), rows = window.num_rows();
-  if (columns > kMostCells / rows ||
-      static_cast<std::uint64_t>(columns * rows) * sizeof(float) > context.options.run.memory_bytes)
+  if (std::max(columns, rows) > std::numeric_limits<std::int32_t>::max() ||
+      static_cast<std::uint64_t>(columns) * kBlockRows * sizeof(float) > context.options.run.memory_bytes)
     throw Error(ErrorKind::resource, context.layout.dem_tile(tile) + ": tile " + std::to_string(tile) + " has " +
                                          std::to_string(columns) + " x " + std::to_string(rows) +
                                          " DEM cells, more than memory can hold; raise output.dem.cell_m or lower "
                                          "tiles.target_points");
-  std::vector<float> value(static_cast<std::size_t>(columns * rows), kNodata);
   const std::uint64_t limit = dem.max_edge_m > 0 ? squared_edge_limit(dem.max_edge_m, lattice) : kNoEdgeLimit;
-  const LatticeBox reach = with_far_sides(box);
   const std::vector<LatticeBox> parts = bounds_of_parts(context);
   std::uint64_t with_height = 0;
-  for (std::uint32_t t = 0; t < parts.size(); ++t) {
-    if (!parts[t].intersects(reach)) continue;
-    const TrianglePatch patch = read_patch(store::Reader(context.layout.unit(Phase::finish, t)), reach);
-    with_height += rasterize(patch.position, patch.height, patch.triangle, lattice, frame, window, limit, value);
-  }
+  const auto fill = [&](std::uint32_t first_row, std::span<float> value) {
+    CellRange band = window;
+    band.row_begin += first_row;
+    band.row_end = band.row_begin + static_cast<std::int64_t>(value.size()) / columns;
+    const LatticeBox reach = intersection(with_far_sides(box), around_rows(frame, lattice, band));
+    for (std::uint32_t t = 0; t < parts.size(); ++t) {
+      if (!parts[t].intersects(reach)) continue;
+      const TrianglePatch patch = read_patch(store::Reader(context.layout.unit(Phase::finish, t)), reach);
+      with_height += rasterize(patch.position, patch.height, patch.triangle, lattice, frame, band, limit, value);
+    }
+  };
   const RasterGrid grid{frame.origin_x + static_cast<double>(window.column_begin) * frame.cell,
                         frame.origin_y - static_cast<double>(window.row_begin) * frame.cell,
                         frame.cell,
                         frame.cell,
                         static_cast<std::uint32_t>(columns),
                         static_cast<std::uint32_t>(rows)};
-  write_geotiff(context.layout.dem_tile(tile), grid, value, context.plan.crs_wkt);
+  const std::int64_t blocks = std::max<std::int64_t>(kBandCells / (columns * kBlockRows), 1);
+  write_geotiff(context.layout.dem_tile(tile), grid, static_cast<std::uint32_t>(blocks * kBlockRows), fill,
+                context.plan.crs_wkt);
   return {columns * rows, static_cast<std::int64_t>(with_height)};
 }
 

@@ -389,7 +389,8 @@ TEST(Inputs, FilesWithoutPointsAmongOthers) {
   const auto points = hills(2, 4'000, kX0, kY0, 60'000, 60'000);
   write_places(folder / "a_empty.las", {});
   write_places(folder / "b.las", points);
-  write_places(folder / "c_empty.las", {}, {1, 1, {7, 9, 11}, "EPSG:32633", 2});
+  write_places(folder / "c_empty.las", {}, {1, 1, {7, 9, 11}, "EPSG:32632", 2});
+  write_places(folder / "a_empty_without_crs.las", {}, {1, 1, {7, 9, 11}, "", 2});
   expect_monolith(options_of({folder / "*.las"}, folder / "out"), points);
 }
 

@@ -49,19 +49,24 @@ void check_crs(const std::vector<LasHeader>& headers, const std::vector<std::str
     plan.crs_wkt = crs.wkt;
     return;
   }
-  for (std::size_t i = 0; i < headers.size(); ++i) {
+  // Files without points are of no place.
+  const auto has_points = [](const LasHeader& h) { return h.point_count > 0; };
+  const auto first =
+      static_cast<std::size_t>(std::find_if(headers.begin(), headers.end(), has_points) - headers.begin());
+  for (std::size_t i = first; i < headers.size(); ++i) {
+    if (!has_points(headers[i])) continue;
     if (headers[i].crs_wkt.empty())
       throw Error(
           ErrorKind::input,
           paths[i] +
               ": no CRS in the file; set input.crs (for instance EPSG:2154, or none for coordinates without one)");
-    if (!same_horizontal_crs(headers[0].crs_wkt, headers[i].crs_wkt))
-      throw Error(ErrorKind::input, paths[i] + ": its CRS " + headers[i].crs + " is not that of " + paths[0] + ", " +
-                                        headers[0].crs +
+    if (!same_horizontal_crs(headers[first].crs_wkt, headers[i].crs_wkt))
+      throw Error(ErrorKind::input, paths[i] + ": its CRS " + headers[i].crs + " is not that of " + paths[first] +
+                                        ", " + headers[first].crs +
                                         "; reproject one of them, or set input.crs if a header is wrong");
   }
-  plan.crs = headers[0].crs;
-  plan.crs_wkt = headers[0].crs_wkt;
+  plan.crs = headers[first].crs;
+  plan.crs_wkt = headers[first].crs_wkt;
 }
 
 // A file's points spread evenly over its box.

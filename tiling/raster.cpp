@@ -35,7 +35,7 @@ std::vector<LatticeBox> bounds_of_parts(const RunContext& context) {
 }
 
 // A raster is made in bands of rows of about so many cells: a tile may be mostly void and wider than memory.
-constexpr std::int64_t kBlockRows = 256, kBandCells = std::int64_t{1} << 23;
+constexpr std::int64_t kBlockRows = 256, kBandCells = std::int64_t{1} << 23, kMostCells = (std::int64_t{1} << 31) - 1;
 
 // All lattice points between which the centres of a band's rows lie.
 LatticeBox around_rows(const RasterFrame& frame, const Lattice& lattice, const CellRange& band) {
@@ -64,12 +64,12 @@ DemCount write_dem(const RunContext& context, std::uint32_t tile) {
     return {};
   }
   const std::int64_t columns = window.num_columns(), rows = window.num_rows();
-  if (std::max(columns, rows) > std::numeric_limits<std::int32_t>::max() ||
+  if (columns > kMostCells / rows ||
       static_cast<std::uint64_t>(columns) * kBlockRows * sizeof(float) > context.options.run.memory_bytes)
     throw Error(ErrorKind::resource, context.layout.dem_tile(tile) + ": tile " + std::to_string(tile) + " has " +
                                          std::to_string(columns) + " x " + std::to_string(rows) +
-                                         " DEM cells, more than memory can hold; raise output.dem.cell_m or lower "
-                                         "tiles.target_points");
+                                         " DEM cells, more than 2^31, or than 256 rows of them in memory; raise "
+                                         "output.dem.cell_m or lower tiles.target_points");
   const std::uint64_t limit = dem.max_edge_m > 0 ? squared_edge_limit(dem.max_edge_m, lattice) : kNoEdgeLimit;
   const std::vector<LatticeBox> parts = bounds_of_parts(context);
   std::uint64_t with_height = 0;

@@ -389,7 +389,8 @@ TEST(Inputs, FilesWithoutPointsAmongOthers) {
   const auto points = hills(2, 4'000, kX0, kY0, 60'000, 60'000);
   write_places(folder / "a_empty.las", {});
   write_places(folder / "b.las", points);
-  write_places(folder / "c_empty.las", {}, {1, 1, {7, 9, 11}, "EPSG:32633", 2});
+  write_places(folder / "c_empty.las", {}, {1, 1, {7, 9, 11}, "EPSG:32632", 2});
+  write_places(folder / "a_empty_without_crs.las", {}, {1, 1, {7, 9, 11}, "", 2});
   expect_monolith(options_of({folder / "*.las"}, folder / "out"), points);
 }
 
@@ -469,6 +470,86 @@ TEST(Inputs, FilesInsideArchives) {
   const std::string text =
       error_of([&] { (void)plan_run(options_of({zip + "/none.las"}, folder / "none")); }, ErrorKind::input);
   EXPECT_NE(text.find("none.las"), std::string::npos) << text;
+}
+
+// Names and contents of what users open; reports and HDF5 files apart, which say how a run was made.
+std::map<std::string, std::string> results_in(const std::string& dir) {
+  std::map<std::string, std::string> out;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(dir)) {
+    const std::string name = std::filesystem::relative(entry.path(), dir).string();
+    if (!entry.is_regular_file()) continue;
+    out[name] = name.starts_with("report") || name.ends_with(".h5") ? "" : testing::bytes_of(entry.path().string());
+  }
+  return out;
+}
+
+TEST(Outputs, OfAnEarlierRunInTheFolderAreGone) {
+  const TemporaryFolder folder;
+  write_places(folder / "a.las", hills(6, 4'000, kX0, kY0, 100'000, 80'000));
+  write_places(folder / "small.las", hills(6, 40, kX0 + 50, kY0 + 600, 300, 300));
+  PipelineOptions many = options_of({folder / "a.las"}, folder / "reused");
+  many.output.dem.enabled = true;
+  PipelineOptions few = many, mesh_only = many, dem_only = many, no_cell = many;
+  few.tiles.target_points = 100'000;
+  few.output.dem.cell_m = 3;
+  few.output.dem.hillshade = false;
+  mesh_only.output.dem.enabled = false;
+  dem_only.output.mesh_ply = false;
+  dem_only.output.dem.cog = false;
+  no_cell.input.points = {folder / "small.las"};
+  int serial = 0;
+  for (PipelineOptions next : {few, mesh_only, dem_only, no_cell, many}) {
+    SCOPED_TRACE(serial);
+    (void)run(many);
+    std::ofstream(many.output.dir + "/mesh/tile_of_mine.txt") << "not ours";
+    (void)run(next);
+    EXPECT_TRUE(check_dataset(next.output.dir, 100).ok);
+    EXPECT_TRUE(std::filesystem::remove(many.output.dir + "/mesh/tile_of_mine.txt"));
+    auto reused = results_in(next.output.dir);
+    next.output.dir = folder / ("fresh" + std::to_string(serial++));
+    (void)run(next);
+    EXPECT_TRUE(reused == results_in(next.output.dir));
+  }
+}
+
+TEST(Outputs, DemTilesTooLargeForOneBand) {
+  const TemporaryFolder folder;
+  write_places(folder / "a.las", hills(6, 6'000, kX0, kY0, 90'000, 100'000));
+  PipelineOptions whole = options_of({folder / "a.las"}, folder / "whole");
+  whole.output.dem = {true, 0.03, 3.0, true, false};
+  PipelineOptions cut = whole;
+  whole.tiles.target_points = 100'000;
+  cut.output.dir = folder / "cut";
+  (void)run(whole);
+  (void)run(cut);
+  EXPECT_EQ(testing::files_in(whole.output.dir + "/dem", ".tif").size(), 1U);
+  const Raster one = read_raster(whole.output.dir + "/dem.tif"), many = read_raster(cut.output.dir + "/dem.tif");
+  EXPECT_GT(one.grid.size(), std::size_t{1} << 23);  // a band has fewer cells
+  EXPECT_EQ(one.grid, many.grid);
+  EXPECT_TRUE(one.value == many.value);
+  testing::expect_dem_interpolates(whole.output.dir, 3.0, 300);
+}
+
+TEST(Outputs, RasterInBandsIsTheRasterInOnePiece) {
+  const TemporaryFolder folder;
+  const RasterGrid grid{500'000, 4'000'000, 2, 2, 700, 1'300};
+  std::vector<float> value(grid.size());
+  Random random(3);
+  for (float& v : value) v = random.below(5) == 0 ? kNodata : static_cast<float>(random.below(1'000)) / 8;
+  write_places(folder / "crs.las", hills(1, 3, kX0, kY0, 1'000, 1'000));
+  const std::string wkt = read_las_header(folder / "crs.las").crs_wkt;
+  write_geotiff(folder / "whole.tif", grid, value, wkt);
+  EXPECT_TRUE(read_raster(folder / "whole.tif").value == value);
+  for (const std::uint32_t rows : {256U, 512U, 1'300U, 2'048U}) {
+    const auto fill = [&](std::uint32_t first, std::span<float> band) {
+      EXPECT_EQ(first % rows, 0U);
+      EXPECT_TRUE(std::all_of(band.begin(), band.end(), [](float v) { return v == kNodata; }));
+      const auto from = value.begin() + std::ptrdiff_t{first} * grid.num_columns;
+      std::copy(from, from + static_cast<std::ptrdiff_t>(band.size()), band.begin());
+    };
+    write_geotiff(folder / "bands.tif", grid, rows, fill, wkt);
+    EXPECT_TRUE(testing::bytes_of(folder / "bands.tif") == testing::bytes_of(folder / "whole.tif")) << rows;
+  }
 }
 
 TEST(Outputs, CarryTheCrsAndAgreeWithEachOther) {

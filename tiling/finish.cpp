@@ -5,6 +5,7 @@
 #include "fingerprint.h"
 #include "hydrotin/lifting.h"
 #include "hydrotin/mesh.h"
+#include "leftovers.h"
 #include "part.h"
 #include "phases.h"
 #include "reduced_store.h"
@@ -195,7 +196,10 @@ void finish_tile(const RunContext& context, std::uint32_t tile) {
   const std::vector<std::int32_t> level = levels_of(context, tile, part, is_outlet);
   const std::vector<std::int32_t>& height = context.options.pits.method == PitMethod::lift ? level : part.height;
   // The mesh first: the terrain file under its final name says that the unit is complete.
-  if (context.options.output.mesh_ply && part.num_triangles() > 0) write_mesh(context, tile, part, height);
+  if (context.options.output.mesh_ply && part.num_triangles() > 0)
+    write_mesh(context, tile, part, height);
+  else
+    remove_leftover(context.layout.mesh(tile));
 
   store::Writer out(context.layout.unit(Phase::finish, tile));
   out.set("recipe", context.recipe(Phase::finish));

@@ -49,14 +49,15 @@ Crs common_crs(const std::vector<LasHeader>& headers, const std::vector<std::str
     crs = parse_crs(override_crs, "input.crs");
   } else {
     for (std::size_t i = 0; i < headers.size(); ++i) {
+      if (headers[i].point_count == 0) continue;  // files without points are of no place
       if (headers[i].crs_wkt.empty())
         throw Error(ErrorKind::input, paths[i] +
                                           ": no CRS in the file; set input.crs (for instance EPSG:2154, or none "
                                           "for coordinates without one)");
       const Crs own = crs_from_wkt(headers[i].crs_wkt, paths[i]);
-      if (i == 0) crs = own;
+      if (crs.is_unknown()) crs = own;
       if (!same_crs(crs, own))
-        throw Error(ErrorKind::input, paths[i] + ": its CRS " + own.name + " is not that of " + paths[0] + ", " +
+        throw Error(ErrorKind::input, paths[i] + ": its CRS " + own.name + " is not that of the inputs before it, " +
                                           crs.name + "; reproject one of them, or set input.crs if a header is wrong");
     }
   }

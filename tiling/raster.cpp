@@ -6,6 +6,7 @@
 #include "block_index.h"
 #include "hydrotin/raster_frame.h"
 #include "hydrotin/rasterize.h"
+#include "leftovers.h"
 #include "phases.h"
 #include "terrain_file.h"
 
@@ -33,35 +34,18 @@ std::vector<LatticeBox> bounds_of_parts(const RunContext& context) {
   return bounds;
 }
 
-// Triangles of all parts that may cover cells of a box.
-std::vector<TrianglePatch> read_patches(const RunContext& context, const LatticeBox& reach) {
-  const std::vector<LatticeBox> parts = bounds_of_parts(context);
-  std::vector<TrianglePatch> patches;
-  for (std::uint32_t t = 0; t < parts.size(); ++t)
-    if (parts[t].intersects(reach))
-      patches.push_back(read_patch(store::Reader(context.layout.unit(Phase::finish, t)), reach));
-  return patches;
-}
+// A raster is made in bands of rows of about so many cells: a tile may be mostly void and wider than memory.
+constexpr std::int64_t kBlockRows = 256, kBandCells = std::int64_t{1} << 23, kMostCells = (std::int64_t{1} << 31) - 1;
 
-bool has_short_edges(const TrianglePatch& patch, std::size_t t, std::uint64_t max_squared_edge) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    const LatticePoint a = patch.position[patch.triangle[3 * t + i]];
-    const LatticePoint b = patch.position[patch.triangle[3 * t + (i + 1) % 3]];
-    const double dx = static_cast<double>(b.x) - a.x, dy = static_cast<double>(b.y) - a.y;
-    // Only bounds are made of this: a hair too many triangles do no harm.
-    if (dx * dx + dy * dy > 1.0001 * static_cast<double>(max_squared_edge)) return false;
-  }
-  return true;
-}
-
-// The box of what will be drawn: a tile may own kilometres of nothing.
-LatticeBox drawn_bounds(const std::vector<TrianglePatch>& patches, std::uint64_t max_squared_edge) {
-  LatticeBox bounds;
-  for (const TrianglePatch& patch : patches)
-    for (std::size_t t = 0; 3 * t < patch.triangle.size(); ++t)
-      if (has_short_edges(patch, t, max_squared_edge))
-        for (std::size_t i = 0; i < 3; ++i) bounds.extend(patch.position[patch.triangle[3 * t + i]]);
-  return bounds;
+// All lattice points between which the centres of a band's rows lie.
+LatticeBox around_rows(const RasterFrame& frame, const Lattice& lattice, const CellRange& band) {
+  constexpr std::int64_t kLeast = std::numeric_limits<std::int32_t>::min(),
+                         kMost = std::numeric_limits<std::int32_t>::max();
+  const auto lattice_row = [&](std::int64_t row) { return center_y(frame, lattice, row) >> kSubLatticeBits; };
+  const auto low = std::clamp(lattice_row(band.row_end - 1), kLeast, kMost);
+  const auto high = std::clamp(lattice_row(band.row_begin) + 1, kLeast, kMost);
+  return {{static_cast<std::int32_t>(kLeast), static_cast<std::int32_t>(low)},
+          {static_cast<std::int32_t>(kMost), static_cast<std::int32_t>(high)}};
 }
 
 struct DemCount {
@@ -72,33 +56,44 @@ DemCount write_dem(const RunContext& context, std::uint32_t tile) {
   const DemOptions& dem = context.options.output.dem;
   const Lattice& lattice = context.plan.lattice;
   const LatticeBox bounds = context.outline.bounds();
-  const LatticeBox core = intersection(context.plan.core[tile], bounds);
+  const LatticeBox box = intersection(context.plan.core[tile], bounds);
   const RasterFrame frame = frame_around(lattice, bounds, dem.cell_m / context.plan.metres_per_unit);
-  const std::uint64_t limit =
-      dem.max_edge_m > 0 ? squared_edge_limit(dem.max_edge_m / context.plan.metres_per_unit, lattice) : kNoEdgeLimit;
-  if (core.is_empty()) return {};
-  const std::vector<TrianglePatch> patches = read_patches(context, with_far_sides(core));
-  const CellRange window = cells_in(frame, lattice, intersection(core, drawn_bounds(patches, limit)));
-  if (window.is_empty()) return {};
-  constexpr std::int64_t kMostCells = std::int64_t{1} << 31;
+  const CellRange window = cells_in(frame, lattice, box);
+  if (window.is_empty()) {
+    remove_leftover(context.layout.dem_tile(tile));
+    return {};
+  }
   const std::int64_t columns = window.num_columns(), rows = window.num_rows();
   if (columns > kMostCells / rows ||
-      static_cast<std::uint64_t>(columns * rows) * sizeof(float) > context.options.run.memory_bytes)
+      static_cast<std::uint64_t>(columns) * kBlockRows * sizeof(float) > context.options.run.memory_bytes)
     throw Error(ErrorKind::resource, context.layout.dem_tile(tile) + ": tile " + std::to_string(tile) + " has " +
                                          std::to_string(columns) + " x " + std::to_string(rows) +
-                                         " DEM cells, more than memory can hold; raise output.dem.cell_m or lower "
-                                         "tiles.target_points");
-  std::vector<float> value(static_cast<std::size_t>(columns * rows), kNodata);
+                                         " DEM cells, more than 2^31, or than 256 rows of them in memory; raise "
+                                         "output.dem.cell_m or lower tiles.target_points");
+  const std::uint64_t limit =
+      dem.max_edge_m > 0 ? squared_edge_limit(dem.max_edge_m / context.plan.metres_per_unit, lattice) : kNoEdgeLimit;
+  const std::vector<LatticeBox> parts = bounds_of_parts(context);
   std::uint64_t with_height = 0;
-  for (const TrianglePatch& patch : patches)
-    with_height += rasterize(patch.position, patch.height, patch.triangle, lattice, frame, window, limit, value);
+  const auto fill = [&](std::uint32_t first_row, std::span<float> value) {
+    CellRange band = window;
+    band.row_begin += first_row;
+    band.row_end = band.row_begin + static_cast<std::int64_t>(value.size()) / columns;
+    const LatticeBox reach = intersection(with_far_sides(box), around_rows(frame, lattice, band));
+    for (std::uint32_t t = 0; t < parts.size(); ++t) {
+      if (!parts[t].intersects(reach)) continue;
+      const TrianglePatch patch = read_patch(store::Reader(context.layout.unit(Phase::finish, t)), reach);
+      with_height += rasterize(patch.position, patch.height, patch.triangle, lattice, frame, band, limit, value);
+    }
+  };
   const RasterGrid grid{frame.origin_x + static_cast<double>(window.column_begin) * frame.cell,
                         frame.origin_y - static_cast<double>(window.row_begin) * frame.cell,
                         frame.cell,
                         frame.cell,
                         static_cast<std::uint32_t>(columns),
                         static_cast<std::uint32_t>(rows)};
-  write_geotiff(context.layout.dem_tile(tile), grid, value, context.plan.crs_wkt);
+  const std::int64_t blocks = std::max<std::int64_t>(kBandCells / (columns * kBlockRows), 1);
+  write_geotiff(context.layout.dem_tile(tile), grid, static_cast<std::uint32_t>(blocks * kBlockRows), fill,
+                context.plan.crs_wkt);
   return {columns * rows, static_cast<std::int64_t>(with_height)};
 }
 

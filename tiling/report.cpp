@@ -12,6 +12,7 @@
 #include "hydrotin/raster.h"
 #include "hydrotin/vector.h"
 #include "hydrotin/version.h"
+#include "leftovers.h"
 #include "reduced_store.h"
 #include "schedule.h"
 #include "terrain_file.h"
@@ -314,6 +315,7 @@ void write_report(const RunContext& context) {
   write_layers(context, figures);
   write_file(context.layout.report_json(), to_json(context, figures).dump(2) + "\n");
   write_file(context.layout.report_text(), to_text(context, figures));
+  remove_leftovers(context);
   write_index(context, figures);
 }
 

@@ -115,28 +115,46 @@ gdal::Dataset shade(const std::filesystem::path& dem, GDALDatasetH heights) {
 
 }  // namespace
 
-void write_geotiff(const std::filesystem::path& path, const RasterGrid& grid, std::span<const float> value,
-                   const std::string& crs_wkt) {
-  assert(grid.size() > 0 && value.size() == grid.size());
+void write_geotiff(const std::filesystem::path& path, const RasterGrid& grid, std::uint32_t rows_at_once,
+                   const RowFiller& fill, const std::string& crs_wkt) {
+  assert(grid.size() > 0 && rows_at_once > 0 && (rows_at_once % 256 == 0 || rows_at_once >= grid.num_rows));
   FinishedFile file(path);
   const gdal::MessageTrap trap;
   gdal::StringList options{"TILED=YES", "BLOCKXSIZE=256", "BLOCKYSIZE=256",  "COMPRESS=DEFLATE",
                            "ZLEVEL=1",  "PREDICTOR=3",    "BIGTIFF=IF_SAFER"};
-  gdal::Dataset dataset(GDALCreate(driver("GTiff"), file.temporary().c_str(), static_cast<int>(grid.num_columns),
-                                   static_cast<int>(grid.num_rows), 1, GDT_Float32, options.get()));
+  const int columns = static_cast<int>(grid.num_columns);
+  gdal::Dataset dataset(GDALCreate(driver("GTiff"), file.temporary().c_str(), columns, static_cast<int>(grid.num_rows),
+                                   1, GDT_Float32, options.get()));
   if (!dataset) trap.fail(ErrorKind::storage, path, "cannot be created");
   double transform[6] = {grid.x_min, grid.cell_x, 0, grid.y_max, 0, -grid.cell_y};
   const GDALRasterBandH band = GDALGetRasterBand(dataset.get(), 1);
-  const bool written =
-      GDALSetGeoTransform(dataset.get(), transform) == CE_None &&
-      (crs_wkt.empty() || GDALSetProjection(dataset.get(), crs_wkt.c_str()) == CE_None) &&
-      GDALSetRasterNoDataValue(band, kNodata) == CE_None &&
-      GDALRasterIO(band, GF_Write, 0, 0, static_cast<int>(grid.num_columns), static_cast<int>(grid.num_rows),
-                   const_cast<float*>(value.data()), static_cast<int>(grid.num_columns),
-                   static_cast<int>(grid.num_rows), GDT_Float32, 0, 0) == CE_None;
+  bool written = GDALSetGeoTransform(dataset.get(), transform) == CE_None &&
+                 (crs_wkt.empty() || GDALSetProjection(dataset.get(), crs_wkt.c_str()) == CE_None) &&
+                 GDALSetRasterNoDataValue(band, kNodata) == CE_None;
+  std::vector<float> value;
+  for (std::uint32_t first = 0; written && first < grid.num_rows;) {
+    const std::uint32_t rows = std::min(rows_at_once, grid.num_rows - first);
+    value.assign(std::size_t{rows} * grid.num_columns, kNodata);
+    fill(first, value);
+    // Flushed, so that GDAL's cache holds no more than this band; its blocks are complete.
+    written = GDALRasterIO(band, GF_Write, 0, static_cast<int>(first), columns, static_cast<int>(rows), value.data(),
+                           columns, static_cast<int>(rows), GDT_Float32, 0, 0) == CE_None &&
+              GDALFlushRasterCache(band) == CE_None;
+    first += rows;
+  }
   if (!written) trap.fail(ErrorKind::storage, path, "cannot be written", "check the disk's free space");
   gdal::close_written(std::move(dataset), trap, path);
   file.publish();
+}
+
+void write_geotiff(const std::filesystem::path& path, const RasterGrid& grid, std::span<const float> value,
+                   const std::string& crs_wkt) {
+  assert(value.size() == grid.size());
+  const RowFiller copy = [&](std::uint32_t first_row, std::span<float> rows) {
+    const auto part = value.subspan(std::size_t{first_row} * grid.num_columns, rows.size());
+    std::copy(part.begin(), part.end(), rows.begin());
+  };
+  write_geotiff(path, grid, 256, copy, crs_wkt);
 }
 
 Raster read_raster(const std::filesystem::path& path, int band_number, std::size_t max_cells) {

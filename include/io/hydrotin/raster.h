@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -53,6 +54,16 @@ inline constexpr float kNodata = -9999.0F;  ///< in every raster this program wr
 /// Complexity: O(cells) time, GDAL's block cache of memory. Preconditions: at least one cell.
 void write_geotiff(const std::filesystem::path& path, const RasterGrid& grid, std::span<const float> value,
                    const std::string& crs_wkt);
+
+/// Writes the rows [first_row, first_row + values.size() / columns) of a raster; `values` come filled with `kNodata`.
+using RowFiller = std::function<void(std::uint32_t first_row, std::span<float> values)>;
+
+/// The same for a raster that need not fit in memory: `fill` is asked for bands of rows from the north.
+///
+/// @param rows_at_once  rows of a band, a multiple of 256; memory is two bands.
+/// Properties           the file reads as one written in one piece.
+void write_geotiff(const std::filesystem::path& path, const RasterGrid& grid, std::uint32_t rows_at_once,
+                   const RowFiller& fill, const std::string& crs_wkt);
 
 /// Reads one band of any raster GDAL knows.
 /// Fails: Error(input) when it is unreadable, cut, has no north-up geotransform, or has more than `max_cells`.

@@ -189,6 +189,28 @@ TEST_P(TiledEqualsMonolithic, PhasesAsJobArrays) {
   EXPECT_EQ(checked.fingerprint, monolith_of(cloud, options).fingerprint);
 }
 
+TEST(CheckAfterRun, FindsAnyFlippedBitOfATile) {
+  const TemporaryFolder folder;
+  const TestCloud cloud = make_test_cloud(CloudKind::uniform, 5, 2'000);
+  PipelineOptions options =
+      testing::options_for(testing::write_files(folder, cloud.position, cloud.height, 1), folder / "out");
+  options.tiles.target_points = 1'000;
+  (void)run(options);
+  ASSERT_TRUE(check_dataset(options.output.dir, 0).ok);
+  const std::string path = folder / "out/terrain/tile_000001.h5";
+  const std::string good = bytes_of(path);
+  testing::Random random(1);
+  for (int i = 0; i < 60; ++i) {
+    std::string bad = good;
+    const std::size_t at = random.below(bad.size());
+    bad[at] = static_cast<char>(bad[at] ^ (1 << random.below(8)));
+    std::ofstream(path, std::ios::binary | std::ios::trunc) << bad;
+    const DatasetSummary summary = check_dataset(options.output.dir, 0);
+    EXPECT_FALSE(summary.ok) << "byte " << at;
+    EXPECT_FALSE(summary.problems.empty());
+  }
+}
+
 struct RealCloud {
   const char* name;
   std::vector<std::string> files;

@@ -2,11 +2,13 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <mutex>
 
 #include "check_order.h"
 #include "check_tile.h"
 #include "check_topology.h"
+#include "file_checksum.h"
 #include "hydrotin/pipeline.h"
 
 namespace hydrotin {
@@ -24,6 +26,14 @@ void for_each_tile(const DatasetIndex& index, Body body) {
   });
 }
 
+// A changed byte is found wherever it lies, also where no array does. A file that cannot be read is a problem already.
+void check_bytes(const DatasetIndex& index, std::uint32_t tile, Problems& problems) {
+  const std::string path = index.tile_path(tile);
+  if (index.checksum.empty() || !std::filesystem::is_regular_file(path)) return;
+  if (file_checksum(path) != index.checksum[tile])
+    problems.add("bytes", path + ": its bytes are not those that were written; make it again with --overwrite");
+}
+
 struct Reading {
   std::vector<TileFacts> facts;
   std::vector<std::uint64_t> bins = std::vector<std::uint64_t>(kSampleBins, 0);
@@ -35,6 +45,7 @@ Reading check_tiles(const DatasetIndex& index, Problems& problems) {
   std::mutex adding;
   for_each_tile(index, [&](std::uint32_t tile) {
     TileFacts facts = check_tile(index, tile);
+    check_bytes(index, tile, facts.problems);
     {
       const std::lock_guard lock(adding);
       for (std::size_t i = 0; i < facts.bins.size(); ++i) out.bins[i] += facts.bins[i];

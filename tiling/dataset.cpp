@@ -66,6 +66,7 @@ DatasetIndex load_index(const std::string& dir) {
   out.count = in.read<std::uint64_t>("tile_count");
   out.box = unflatten(in.read<std::int32_t>("tile_box"));
   out.triangles = in.read<std::uint64_t>("tile_triangles");
+  if (in.has("tile_checksum")) out.checksum = in.read<std::uint64_t>("tile_checksum");
   const auto number = [&](const std::string& name) {
     const std::int64_t value = in.integer(name);
     if (value < 0) contradicts(out.path, "the attribute '" + name + "' is negative");
@@ -81,7 +82,8 @@ DatasetIndex load_index(const std::string& dir) {
   out.outlets = in.text("outlets");
   out.lowest = PointId(static_cast<std::uint64_t>(in.integer("lowest_point")));
   const bool fits = number("tiles") == out.count.size() && out.box.size() == out.count.size() &&
-                    out.triangles.size() == out.count.size() && !out.count.empty() &&
+                    out.triangles.size() == out.count.size() &&
+                    (out.checksum.empty() || out.checksum.size() == out.count.size()) && !out.count.empty() &&
                     std::all_of(out.count.begin(), out.count.end(),
                                 [](std::uint64_t c) { return c < std::numeric_limits<std::uint32_t>::max(); });
   if (!fits) contradicts(out.path, "its lists of tiles contradict each other");

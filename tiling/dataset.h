@@ -22,6 +22,7 @@ struct DatasetIndex {
   std::vector<std::uint64_t> count;      ///< [tiles] own points
   std::vector<LatticeBox> box;           ///< [tiles] of the own points
   std::vector<std::uint64_t> triangles;  ///< [tiles]
+  std::vector<std::uint64_t> checksum;   ///< [tiles] of all bytes of the file; empty in an index that has none
   std::uint64_t points = 0, vertices = 0, duplicates = 0, num_triangles = 0, pits = 0;
   int order = 0;
   std::string fingerprint;

@@ -45,6 +45,7 @@ Crs common_crs(const std::vector<LasHeader>& headers, const std::vector<std::str
                const std::string& override_crs) {
   if (override_crs == "none") return {};
   Crs crs;
+  std::string first;
   if (!override_crs.empty()) {
     crs = parse_crs(override_crs, "input.crs");
   } else {
@@ -55,9 +56,12 @@ Crs common_crs(const std::vector<LasHeader>& headers, const std::vector<std::str
                                           ": no CRS in the file; set input.crs (for instance EPSG:2154, or none "
                                           "for coordinates without one)");
       const Crs own = crs_from_wkt(headers[i].crs_wkt, paths[i]);
-      if (crs.is_unknown()) crs = own;
+      if (crs.is_unknown()) {
+        crs = own;
+        first = paths[i];
+      }
       if (!same_crs(crs, own))
-        throw Error(ErrorKind::input, paths[i] + ": its CRS " + own.name + " is not that of the inputs before it, " +
+        throw Error(ErrorKind::input, paths[i] + ": its CRS " + own.name + " is not that of " + first + ", " +
                                           crs.name + "; reproject one of them, or set input.crs if a header is wrong");
     }
   }

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "file_checksum.h"
 #include "fingerprint.h"
 #include "hydrotin/raster.h"
 #include "hydrotin/vector.h"
@@ -16,6 +17,7 @@
 #include "reduced_store.h"
 #include "schedule.h"
 #include "terrain_file.h"
+#include "whole_array.h"
 
 namespace hydrotin {
 namespace {
@@ -295,6 +297,9 @@ void write_index(const RunContext& context, const Figures& f) {
   std::vector<std::uint64_t> triangles;
   for (const TileRow& t : f.tile) triangles.push_back(t.triangles);
   out.append("tile_triangles", triangles, "triangles in terrain/tile_NNNNNN.h5");
+  std::vector<std::uint64_t> checksum(context.plan.num_tiles());
+  for_all(context, checksum.size(), [&](std::uint64_t t) { checksum[t] = file_checksum(context.layout.terrain(t)); });
+  out.append("tile_checksum", checksum, "of all bytes of terrain/tile_NNNNNN.h5");
   std::vector<std::uint8_t> paths;
   std::vector<std::uint64_t> bytes;
   for (const auto& [path, size] : list_outputs(context)) {

@@ -110,12 +110,18 @@ struct PolygonSolver::Impl {
     return true;
   }
 
+  // Ways that may be tried for this polygon: each costs a visit to every triangle.
+  [[nodiscard]] std::uint32_t affordable_ways() const {
+    constexpr std::uint32_t kTriangleVisits = 1U << 20;
+    return std::clamp(kTriangleVisits / graph.num_triangles(), std::uint32_t{1}, max_ways);
+  }
+
   // All ways, counted like the digits of a number; true if they were few enough.
   bool try_all_ways(const ComponentTies& ties, PolygonResult& result) {
     std::uint64_t ways = 1;
     for (std::uint32_t c = 0; c < ties.num_components(); ++c) {
       ways *= ties.begin[c + 1] - ties.begin[c];
-      if (ways > max_ways) return false;
+      if (ways > affordable_ways()) return false;
     }
     std::vector<Tie> chosen(ties.num_components());
     for (std::uint64_t way = 0; way < ways; ++way) {
@@ -137,9 +143,10 @@ struct PolygonSolver::Impl {
     for (std::uint32_t c = 0; c < ties.num_components(); ++c) chosen.push_back(ties.tie[ties.begin[c]]);
     try_ties(chosen);
     result.ways = 1;
-    for (bool improved = true; improved && result.ways < max_ways;) {
+    const std::uint32_t most = affordable_ways();
+    for (bool improved = true; improved && result.ways < most;) {
       improved = false;
-      for (std::uint32_t c = 0; c < ties.num_components() && result.ways < max_ways; ++c)
+      for (std::uint32_t c = 0; c < ties.num_components() && result.ways < most; ++c)
         for (std::uint32_t i = ties.begin[c]; i < ties.begin[c + 1]; ++i, ++result.ways) {
           const Tie before = chosen[c];
           chosen[c] = ties.tie[i];

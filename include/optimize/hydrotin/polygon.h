@@ -47,7 +47,8 @@ struct PolygonResult {
 
 class PolygonSolver {
  public:
-  /// @param max_ways  ways to tie components that are tried before falling back
+  /// @param max_ways  ways to tie components that are tried before falling back; fewer for polygons of more than 256
+  ///                  triangles, so that no polygon costs more than 2^20 visits to a triangle
   explicit PolygonSolver(Objective objective, std::uint32_t max_ways = 4096);
   ~PolygonSolver();
   PolygonSolver(PolygonSolver&&) noexcept;

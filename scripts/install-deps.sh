@@ -4,7 +4,7 @@ set -eu
 
 packages="
   g++ cmake ninja-build git ca-certificates
-  libcgal-dev libtbb-dev libhdf5-dev libgdal-dev gdal-bin libdeflate-dev
+  libcgal-dev libtbb-dev libhdf5-dev libgdal-dev gdal-bin libdeflate-dev coinor-libclp-dev
   libcli11-dev libyaml-cpp-dev libfmt-dev nlohmann-json3-dev
   libgtest-dev libbenchmark-dev
 "

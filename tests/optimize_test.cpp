@@ -78,15 +78,15 @@ TEST(Triangulate, Definition_EqualsTheBestOfAllOrderKTriangulations) {
           least_minima = std::min(least_minima, minima(points, z, t));
         }
         const auto by_weight = triangulate(points, z, k, Objective::min_weight);
-        EXPECT_NEAR(by_weight.value, least_weight, 1e-9 * least_weight);
-        EXPECT_NEAR(by_weight.value, weight(points, as_set(by_weight.triangles)), 1e-9 * least_weight);
+        EXPECT_NEAR(by_weight.value(), least_weight, 1e-9 * least_weight);
+        EXPECT_NEAR(by_weight.value(), weight(points, as_set(by_weight.triangles)), 1e-9 * least_weight);
         EXPECT_TRUE(by_weight.optimal);
         const auto by_minima = triangulate(points, z, k, Objective::local_minima);
-        EXPECT_EQ(by_minima.value, minima(points, z, as_set(by_minima.triangles)));
+        EXPECT_EQ(by_minima.value(), minima(points, z, as_set(by_minima.triangles)));
         EXPECT_LE(by_minima.bound, least_minima);
-        EXPECT_GE(by_minima.value, least_minima);
-        EXPECT_EQ(by_minima.optimal, by_minima.value == by_minima.bound);
-        missed += by_minima.value > least_minima;
+        EXPECT_GE(by_minima.value(), least_minima);
+        EXPECT_EQ(by_minima.optimal, by_minima.value() == by_minima.bound);
+        missed += by_minima.value() > least_minima;
         for (const auto objective : {Objective::delaunay, Objective::min_weight, Objective::local_minima})
           EXPECT_NE(
               std::find(all.all().begin(), all.all().end(), as_set(triangulate(points, z, k, objective).triangles)),
@@ -113,7 +113,7 @@ TEST(Triangulate, ComponentsInsidePolygonsAreTied) {
       const oracle::AllTriangulations all(points, k);
       double least = 1e300;
       for (const auto& t : all.all()) least = std::min(least, weight(points, t));
-      EXPECT_NEAR(by_weight.value, least, 1e-9 * least);
+      EXPECT_NEAR(by_weight.value(), least, 1e-9 * least);
     }
   }
   EXPECT_GE(with_components, 30U);
@@ -155,10 +155,10 @@ TEST(Triangulate, LocalMinimaComeCloseToTheBound) {
     const auto before = triangulate(points, z, k, Objective::delaunay);
     const auto after = triangulate(points, z, k, Objective::local_minima);
     std::printf("k %d: minima %u -> %.0f, bound %.0f, polygons %u, components %u, fallbacks %u\n", k,
-                count_minima(points, z, before.triangles), after.value, after.bound, after.polygons, after.components,
+                count_minima(points, z, before.triangles), after.value(), after.bound, after.polygons, after.components,
                 after.fallbacks);
-    EXPECT_LE(after.value, 1.02 * after.bound);
-    EXPECT_LT(after.value, count_minima(points, z, before.triangles));
+    EXPECT_LE(after.value(), 1.02 * after.bound);
+    EXPECT_LT(after.value(), count_minima(points, z, before.triangles));
   }
 }
 

@@ -142,7 +142,7 @@ void solve_seams(const RunContext& context, std::uint32_t tile) {
   const auto member_piece = join.read_range<std::uint32_t>("member_piece", begin.front(), begin.back() - begin.front());
 
   PieceSource pieces(context);
-  PolygonSolver solver(context.options.triangulation.objective);
+  PolygonSolver solver({.objectives = {context.options.triangulation.objective}});
   SeamPolygon polygon;
   SeamOutput output;
   std::vector<std::array<std::uint32_t, 3>> answer;
@@ -162,7 +162,7 @@ void solve_seams(const RunContext& context, std::uint32_t tile) {
     max_components = std::max<std::int64_t>(max_components, problem.components);
     max_polygon = std::max<std::int64_t>(max_polygon, static_cast<std::int64_t>(problem.delaunay.size()));
     max_order = std::max<std::int64_t>(max_order, result.max_order);
-    fallbacks += !result.optimal && result.ways > 1;
+    fallbacks += result.fell_back;
   }
 
   store::Writer out(context.layout.unit(Phase::seam, tile));

@@ -127,7 +127,7 @@ class TileOutput {
 
   void solve() {
     PolygonExtractor extractor(polygons_.source());
-    PolygonSolver solver(objective_);
+    PolygonSolver solver({.objectives = {objective_}});
     piece_of_.assign(polygons_.subdivision().size(), kUnused);
     for (std::uint32_t f = 0; f < polygons_.subdivision().size(); ++f) {
       if (!polygons_.is_owned(f)) continue;
@@ -146,7 +146,7 @@ class TileOutput {
       figures_.max_polygon =
           std::max<std::int64_t>(figures_.max_polygon, static_cast<std::int64_t>(problem.delaunay.size()));
       figures_.max_order = std::max<std::int64_t>(figures_.max_order, result.max_order);
-      figures_.fallbacks += !result.optimal && result.ways > 1;
+      figures_.fallbacks += result.fell_back;
     }
     list_edges();
   }

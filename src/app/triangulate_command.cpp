@@ -106,17 +106,18 @@ int triangulate_points(const TriangulateArguments& arguments) {
                                 {"max_components", result.max_components}};
   if (!arguments.out.empty()) write_tin(arguments.out, points, result);
   if (arguments.json) {
-    const Json json = {{"points", points.num_rows},    {"order", arguments.order},   {"objective", arguments.objective},
-                       {"value", unit * result.value}, {"optimal", result.optimal},  {"bound", unit * result.bound},
-                       {"triangles", triangles},       {"max_triangle_order", most}, {"polygons", polygon_figures},
-                       {"local_minima", minima}};
+    const Json json = {{"points", points.num_rows},        {"order", arguments.order},
+                       {"objective", arguments.objective}, {"value", unit * result.value()},
+                       {"optimal", result.optimal},        {"bound", unit * result.bound},
+                       {"triangles", triangles},           {"max_triangle_order", most},
+                       {"polygons", polygon_figures},      {"local_minima", minima}};
     fmt::print("{}\n", json.dump());
     return 0;
   }
   fmt::print("points              {}\nduplicates          {}\ntriangles           {}\norder               {}\n",
              points.num_rows, points.duplicates.size(), triangles.size(), arguments.order);
   fmt::print("objective           {}\nvalue               {}\nbound               {}\noptimal             {}\n",
-             arguments.objective, unit * result.value, unit * result.bound, result.optimal);
+             arguments.objective, unit * result.value(), unit * result.bound, result.optimal);
   fmt::print("max triangle order  {}\nlocal minima        {}\n", most, minima);
   for (const auto& [key, value] : polygon_figures.items()) fmt::print("polygons {:<15}  {}\n", key, value.dump());
   return 0;

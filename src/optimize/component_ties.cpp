@@ -10,7 +10,7 @@ namespace hydrotin {
 namespace {
 
 // Rightmost vertices of the components that do not hang on the outer boundary, in (x, y) order.
-std::vector<std::uint32_t> component_ends(const PolygonProblem& problem) {
+std::vector<std::uint32_t> component_ends(const PolygonProblem& problem, const PolygonGraph& graph) {
   const auto n = static_cast<std::uint32_t>(problem.position.size());
   std::vector<std::uint32_t> root(n);
   std::iota(root.begin(), root.end(), 0U);
@@ -18,9 +18,8 @@ std::vector<std::uint32_t> component_ends(const PolygonProblem& problem) {
     while (root[v] != v) v = root[v] = root[root[v]];
     return v;
   };
-  for (std::size_t t = 0; t < problem.delaunay.size(); ++t)
-    for (std::size_t i = 0; i < 3; ++i)
-      if (problem.fixed[t] >> i & 1U) root[find(problem.delaunay[t][i])] = find(problem.delaunay[t][(i + 1) % 3]);
+  for (std::uint32_t e = 0; e < graph.num_edges(); ++e)
+    if (graph.edge(e).is_boundary) root[find(graph.edge(e).origin)] = find(graph.edge(e).target);
   const auto by_position = [&](std::uint32_t a, std::uint32_t b) { return problem.position[a] < problem.position[b]; };
   std::vector<std::uint32_t> order(n), end(n, kNoEdge), ends;
   std::iota(order.begin(), order.end(), 0U);
@@ -33,33 +32,73 @@ std::vector<std::uint32_t> component_ends(const PolygonProblem& problem) {
   return ends;
 }
 
-void add_ties(const PolygonProblem& problem, const PolygonGraph& graph, std::uint32_t u, ComponentTies& out) {
+// The ends of the ties of u, the first first.
+std::vector<std::uint32_t> tie_ends(const PolygonProblem& problem, const PolygonGraph& graph, std::uint32_t u) {
   const auto at = [&](std::uint32_t v) { return problem.position[v]; };
-  std::uint32_t v = kNoEdge;
-  for (const auto& t : problem.delaunay)
-    for (std::size_t i = 0; i < 3; ++i)
-      for (const std::uint32_t w : {t[(i + 1) % 3], t[(i + 2) % 3]})
-        if (t[i] == u && at(u) < at(w) && (v == kNoEdge || at(w) < at(v))) v = w;
-  assert(v != kNoEdge && "the region right of a component belongs to the polygon");
   std::vector<std::uint32_t> ends;
-  for (const auto& t : problem.others)
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::uint32_t x = t[(i + 1) % 3], y = t[(i + 2) % 3];
-      if (t[i] == u && properly_cross(at(u), at(v), at(x), at(y))) ends.push_back(at(x) < at(y) ? y : x);
-    }
+  std::uint32_t v = kNoEdge;
+  if (problem.rim.empty()) {
+    for (const auto& t : problem.delaunay)
+      for (std::size_t i = 0; i < 3; ++i)
+        for (const std::uint32_t w : {t[(i + 1) % 3], t[(i + 2) % 3]})
+          if (t[i] == u && at(u) < at(w) && (v == kNoEdge || at(w) < at(v))) v = w;
+    assert(v != kNoEdge && "the region right of a component belongs to the polygon");
+    for (const auto& t : problem.others)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::uint32_t x = t[(i + 1) % 3], y = t[(i + 2) % 3];
+        if (t[i] == u && properly_cross(at(u), at(v), at(x), at(y))) ends.push_back(at(x) < at(y) ? y : x);
+      }
+  } else {
+    for (std::uint32_t e = 0; e < graph.num_edges(); ++e)
+      if (graph.edge(e).origin == u && at(u) < at(graph.edge(e).target)) ends.push_back(graph.edge(e).target);
+  }
   std::sort(ends.begin(), ends.end(), [&](std::uint32_t a, std::uint32_t b) { return at(a) < at(b); });
   ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
-  std::erase(ends, v);
-  out.tie.push_back({graph.find(u, v), graph.find(v, u)});
-  for (const std::uint32_t z : ends) out.tie.push_back({graph.find(u, z), graph.find(z, u)});
-  out.begin.push_back(static_cast<std::uint32_t>(out.tie.size()));
+  if (v != kNoEdge) {
+    std::erase(ends, v);
+    ends.insert(ends.begin(), v);
+  }
+  return ends;
+}
+
+// Triangles that the segment ab properly cuts.
+void add_blocked(const PolygonProblem& problem, const PolygonGraph& graph, LatticePoint a, LatticePoint b,
+                 std::vector<std::uint32_t>& out) {
+  LatticeBox box;
+  box.extend(a);
+  box.extend(b);
+  for (std::uint32_t t = 0; t < graph.num_triangles(); ++t) {
+    const auto& v = graph.triangle(t);
+    const std::array<LatticePoint, 3> p{problem.position[v[0]], problem.position[v[1]], problem.position[v[2]]};
+    LatticeBox reach;
+    for (const LatticePoint q : p) reach.extend(q);
+    if (!reach.intersects(box)) continue;
+    if (properly_cross(a, b, p[0], p[1]) || properly_cross(a, b, p[1], p[2]) || properly_cross(a, b, p[2], p[0]))
+      out.push_back(t);
+  }
 }
 
 }  // namespace
 
+std::uint64_t ComponentTies::num_ways(std::uint64_t most) const {
+  std::uint64_t ways = 1;
+  for (std::uint32_t c = 0; c < num_components(); ++c) {
+    ways *= begin[c + 1] - begin[c];
+    if (ways > most) return most + 1;
+  }
+  return ways;
+}
+
 ComponentTies find_component_ties(const PolygonProblem& problem, const PolygonGraph& graph) {
   ComponentTies out;
-  for (const std::uint32_t u : component_ends(problem)) add_ties(problem, graph, u, out);
+  for (const std::uint32_t u : component_ends(problem, graph)) {
+    for (const std::uint32_t w : tie_ends(problem, graph, u)) {
+      out.tie.push_back({graph.find(u, w), graph.find(w, u)});
+      add_blocked(problem, graph, problem.position[u], problem.position[w], out.blocked);
+      out.blocked_begin.push_back(static_cast<std::uint32_t>(out.blocked.size()));
+    }
+    out.begin.push_back(static_cast<std::uint32_t>(out.tie.size()));
+  }
   return out;
 }
 

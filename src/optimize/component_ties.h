@@ -8,7 +8,9 @@
 /// Ways to tie the components inside a polygon to its boundary (T, Lemma 3.1, with rightmost in place of topmost).
 ///
 /// The rightmost vertex u of a component has a Delaunay edge uv to a vertex on its right; any order-k triangulation
-/// contains uv or, of the triangle at u through which uv would leave, the side to its rightmost vertex.
+/// contains uv or, of the triangle at u through which uv would leave, the side to its rightmost vertex. In a simple
+/// polygon, where uv may not be possible, u is tied by each of its edges to the right: one of them is in every
+/// triangulation.
 
 namespace hydrotin {
 
@@ -20,11 +22,15 @@ struct Tie {
 struct ComponentTies {
   std::vector<std::uint32_t> begin{0};
   std::vector<Tie> tie;
+  std::vector<std::uint32_t> blocked_begin{0};  ///< [ties + 1]
+  std::vector<std::uint32_t> blocked;           ///< triangles that a tie would cut, by tie
 
   [[nodiscard]] std::uint32_t num_components() const { return static_cast<std::uint32_t>(begin.size() - 1); }
+  /// Ways to choose one tie per component, or `most` + 1 if there are more than `most`.
+  [[nodiscard]] std::uint64_t num_ways(std::uint64_t most) const;
 };
 
-/// O((T + C) log). Empty if everything hangs on the boundary.
+/// O((T + C) log) and O(T + C) for each tie. Empty if everything hangs on the boundary.
 [[nodiscard]] ComponentTies find_component_ties(const PolygonProblem& problem, const PolygonGraph& graph);
 
 }  // namespace hydrotin

@@ -2,217 +2,539 @@
 
 #include <algorithm>
 #include <cassert>
-#include <optional>
+#include <cmath>
+#include <limits>
+#include <utility>
 
-#include "component_ties.h"
-#include "hydrotin/predicates.h"
-#include "polygon_program.h"
+#include "degree_program.h"
+#include "polygon_flips.h"
+#include "polygon_search.h"
+#include "quadrilateral_program.h"
+#include "reference_errors.h"
 
 namespace hydrotin {
 namespace {
 
-using Triangles = std::vector<std::array<std::uint32_t, 3>>;
-
-// What two answers for the same polygon are compared by.
-struct Score {
-  std::uint32_t unserved = 0;
-  double weight = 0;
-  std::uint32_t foreign = 0;
-
-  friend bool operator<(const Score& a, const Score& b) {
-    if (a.unserved != b.unserved) return a.unserved < b.unserved;
-    if (a.weight != b.weight) return a.weight < b.weight;
-    return a.foreign < b.foreign;
-  }
-};
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
 struct PolygonSolver::Impl {
-  Objective objective;
-  std::uint32_t max_ways;
+  explicit Impl(PolygonOptions given) : options(std::move(given)) {}
 
+  PolygonOptions options;
   const PolygonProblem* problem = nullptr;
   PolygonGraph graph{};
-  PolygonProgram<MinWeightRule> min_weight{};
-  PolygonProgram<LocalMinimaRule> local_minima{};
-  std::vector<std::uint8_t> blocked{}, closed{}, served{};
-  std::vector<std::uint32_t> candidate{}, best{};  // numbers of triangles
-  std::optional<Score> best_score{};
+  PolygonSearch search{};
+  PolygonCosts costs{};
+  PolygonAnswer answer{};
+  std::vector<Objective> slots{};  // objectives with a slot of `costs`, in their order
+  std::vector<std::uint8_t> blocked{}, scratch{}, served{};
+  std::vector<TriangleError> error{};
+  std::vector<double> score{};
+  std::vector<std::uint32_t> unserved{}, servable{};
 
-  [[nodiscard]] std::uint32_t num_wanting() const {
-    return static_cast<std::uint32_t>(std::count_if(problem->wants_lower.begin(), problem->wants_lower.end(),
-                                                    [](std::uint8_t wants) { return wants != 0; }));
+  [[nodiscard]] Objective first() const { return options.objectives.front(); }
+  [[nodiscard]] bool by_minima() const {
+    return std::find(options.objectives.begin(), options.objectives.end(), Objective::local_minima) !=
+           options.objectives.end();
+  }
+  [[nodiscard]] bool is_loose() const { return problem->rim.empty(); }
+
+  // ---- what triangles cost ----
+
+  [[nodiscard]] std::array<LatticePoint, 3> corners(std::uint32_t t) const {
+    const auto& v = graph.triangle(t);
+    return {problem->position[v[0]], problem->position[v[1]], problem->position[v[2]]};
   }
 
-  // Vertices that want and have a lower neighbour over an inner edge of `triangles`.
-  std::uint32_t count_served(const std::vector<std::uint32_t>& triangles) {
-    served.assign(problem->position.size(), 0);
-    for (const std::uint32_t number : triangles)
-      for (std::size_t i = 0; i < 3; ++i) {
-        const std::uint32_t a = graph.triangle(number)[i], b = graph.triangle(number)[(i + 1) % 3];
-        if (graph.edge(graph.find(b, a)).is_boundary) continue;
-        const bool a_is_lower =
-            is_lower(problem->height[a], problem->position[a], problem->height[b], problem->position[b]);
-        served[a_is_lower ? b : a] = 1;
+  [[nodiscard]] std::uint32_t order_of(std::uint32_t t) const {
+    return t < problem->delaunay.size() ? 0 : problem->others_order[t - problem->delaunay.size()];
+  }
+
+  [[nodiscard]] Wide cost_of(Objective objective, std::uint32_t t) const {
+    const auto [a, b, c] = corners(t);
+    switch (objective) {
+      case Objective::min_weight:  // every inner edge is counted twice; the sides always
+        return to_fixed(edge_length(a, b)) + to_fixed(edge_length(b, c)) + to_fixed(edge_length(c, a));
+      case Objective::max_sum_inradius:
+        return -to_fixed(inradius(a, b, c));
+      case Objective::min_sum_inradius:
+        return to_fixed(inradius(a, b, c));
+      case Objective::min_squared_error:
+        return to_fixed(error[t].squared);
+      case Objective::min_absolute_error:
+        return to_fixed(error[t].absolute);
+      case Objective::local_minima:
+        return 0;  // counted at vertices
+      default:     // the number of foreign sides
+        return graph.foreign_sides(t);
+    }
+  }
+
+  [[nodiscard]] double score_of(Objective objective, std::uint32_t t) const {
+    if (objective == Objective::min_max_order) return order_of(t);
+    if (objective == Objective::min_max_error) return error[t].largest;
+    const auto [a, b, c] = corners(t);
+    return triangle_score(objective, a, b, c);
+  }
+
+  // Costs with the slots so far; `delaunay` stands for the number of foreign sides.
+  void make_costs() {
+    costs.num_slots = std::max(1, static_cast<int>(slots.size()));
+    const auto minima = std::find(slots.begin(), slots.end(), Objective::local_minima);
+    costs.minima_slot = minima == slots.end() ? -1 : static_cast<int>(minima - slots.begin());
+    costs.cost.assign(std::size_t{graph.num_triangles()} * static_cast<std::size_t>(costs.num_slots), 0);
+    for (std::uint32_t t = 0; t < graph.num_triangles(); ++t)
+      for (std::size_t s = 0; s < slots.size(); ++s)
+        costs.cost[t * static_cast<std::size_t>(costs.num_slots) + s] = cost_of(slots[s], t);
+  }
+
+  void measure_errors(PolygonResult& result) {
+    const bool needed = options.max_error.has_value() ||
+                        std::any_of(options.objectives.begin(), options.objectives.end(), needs_reference);
+    if (!needed) return;
+    error = reference_errors(graph, options.max_error ? &*options.max_error : nullptr);
+    for (std::uint32_t t = 0; t < graph.num_triangles(); ++t) blocked[t] = !error[t].within_limit;
+    if (std::find(blocked.begin(), blocked.end(), std::uint8_t{1}) == blocked.end()) return;
+    if (search.is_within_budget()) {
+      slots.assign(1, Objective::delaunay);
+      make_costs();
+      result.limit_missed = !search.run(costs, blocked, answer);
+    } else {
+      result.limit_missed = true;  // unless the flips come to keep it
+    }
+  }
+
+  // ---- exact search ----
+
+  // The smallest score that some side cannot avoid.
+  [[nodiscard]] double side_bound() const {
+    double bound = -kInfinity;
+    for (std::uint32_t e = 0; e < graph.num_edges(); ++e) {
+      const std::uint32_t twin = graph.find(graph.edge(e).target, graph.edge(e).origin);
+      if (!graph.edge(twin).is_boundary || graph.edge(e).first_option == kNoEdge) continue;
+      double least = kInfinity;
+      for (std::uint32_t o = graph.edge(e).first_option; o != kNoEdge; o = graph.option(o).next)
+        if (!blocked[graph.option(o).triangle]) least = std::min(least, score[graph.option(o).triangle]);
+      bound = std::max(bound, least);
+    }
+    return bound;
+  }
+
+  [[nodiscard]] double worst_score(const std::vector<std::uint32_t>& triangles) const {
+    double worst = -kInfinity;
+    for (const std::uint32_t t : triangles) worst = std::max(worst, score[t]);
+    return worst;
+  }
+
+  void score_triangles(Objective objective) {
+    score.resize(graph.num_triangles());
+    for (std::uint32_t t = 0; t < graph.num_triangles(); ++t) score[t] = score_of(objective, t);
+  }
+
+  // Blocks all triangles above the least threshold under which the slots keep their values.
+  bool restrict_to_best(Objective objective) {
+    score_triangles(objective);
+    make_costs();
+    if (!search.run(costs, blocked, answer)) return false;
+    const SlotValues value = answer.value;
+    const double low = side_bound(), high = worst_score(answer.triangle);
+    std::vector<double> threshold{high};
+    for (std::uint32_t t = 0; t < graph.num_triangles(); ++t)
+      if (!blocked[t] && score[t] >= low && score[t] < high) threshold.push_back(score[t]);
+    std::sort(threshold.begin(), threshold.end());
+    threshold.erase(std::unique(threshold.begin(), threshold.end()), threshold.end());
+    std::size_t from = 0, to = threshold.size() - 1;  // the last one is known to do
+    while (from < to) {
+      const std::size_t middle = (from + to) / 2;
+      scratch = blocked;
+      block_above(threshold[middle], scratch);
+      if (search.run(costs, scratch, answer) && answer.value == value)
+        to = middle;
+      else
+        from = middle + 1;
+    }
+    block_above(threshold[to], blocked);
+    return true;
+  }
+
+  void block_above(double threshold, std::vector<std::uint8_t>& out) const {
+    for (std::uint32_t t = 0; t < graph.num_triangles(); ++t) out[t] = out[t] || score[t] > threshold;
+  }
+
+  [[nodiscard]] std::vector<Objective> stages(const PolygonResult& result) const {
+    std::vector<Objective> out = options.objectives;
+    if (result.limit_missed) {
+      std::erase(out, Objective::min_max_error);
+      out.insert(out.begin(), Objective::min_max_error);
+    }
+    return out;
+  }
+
+  // Sums and minima get slots, bottlenecks block triangles; at the end one run decides among what is left.
+  bool solve_by_stages(PolygonResult& result) {
+    if (result.limit_missed) std::fill(blocked.begin(), blocked.end(), std::uint8_t{0});
+    slots.clear();
+    for (const Objective objective : stages(result)) {
+      if (kind_of(objective) == ObjectiveKind::bottleneck) {
+        if (!restrict_to_best(objective)) return false;
+      } else {
+        slots.push_back(objective);
       }
-    std::uint32_t count = 0;
-    for (std::size_t v = 0; v < served.size(); ++v) count += served[v] && problem->wants_lower[v];
+    }
+    slots.push_back(Objective::delaunay);
+    make_costs();
+    return search.run(costs, blocked, answer);
+  }
+
+  void judge(PolygonResult& result) {
+    const bool counts_twice = by_minima() && !search.is_linear() && has_repeated_vertices();
+    result.optimal = search.is_proven() && !result.limit_missed && !counts_twice;
+    if (kind_of(first()) == ObjectiveKind::bottleneck) {
+      score_triangles(first());
+      result.bound = result.optimal ? worst_score(answer.triangle) : unrestricted_side_bound();
+      result.optimal = result.optimal || worst_score(answer.triangle) <= result.bound;
+    } else if (kind_of(first()) == ObjectiveKind::sum && !search.is_proven()) {
+      result.gap = std::max(0.0, from_fixed(answer.value[0]) - search.first_bound());
+    }
+  }
+
+  [[nodiscard]] double unrestricted_side_bound() {
+    scratch.assign(graph.num_triangles(), 0);
+    std::swap(scratch, blocked);
+    const double bound = side_bound();
+    std::swap(scratch, blocked);
+    return bound;
+  }
+
+  // ---- quadrilaterals and degrees ----
+
+  bool solve_quadrilaterals(PolygonResult& result) {
+    const BeyondSides beyond = sides_beyond(graph);
+    QuadrilateralProgram program;
+    std::vector<std::uint32_t> triangles;
+    const bool is_sum = kind_of(first()) == ObjectiveKind::quadrilateral_sum;
+    double best = kInfinity, bound = kInfinity;
+    std::uint64_t best_foreign = 0;
+    search.for_each_way(blocked, [&](const auto& way_blocked, const auto& closed) {
+      ++result.programs;
+      if (!program.run(graph, options, beyond, way_blocked, closed, triangles) || triangles.size() != size()) return;
+      bound = std::min(bound, program.value() - (is_sum ? num_uncounted(closed) : 0));
+      const double value = quadrilateral_value(graph, options, beyond, triangles);
+      const std::uint64_t foreign = num_foreign(triangles);
+      if (!answer.triangle.empty() && std::pair{value, foreign} >= std::pair{best, best_foreign}) return;
+      best = value;
+      best_foreign = foreign;
+      answer.triangle = triangles;
+    });
+    if (answer.triangle.empty()) return false;
+    result.optimal = best <= bound;
+    result.bound = bound;
+    result.gap = is_sum ? std::max(0.0, best - bound) : 0;
+    return true;
+  }
+
+  // Pairs across closed edges and slits, which the program leaves out.
+  [[nodiscard]] double num_uncounted(const std::vector<std::uint8_t>& closed) const {
+    double count = 0;
+    for (std::uint32_t e = 0; e < graph.num_edges(); ++e) {
+      const std::uint32_t twin = graph.find(graph.edge(e).target, graph.edge(e).origin);
+      count += e < twin && (closed[e] || (graph.edge(e).is_boundary && graph.edge(twin).is_boundary));
+    }
     return count;
   }
 
-  Score score_of(const std::vector<std::uint32_t>& triangles) {
-    Score score;
-    for (const std::uint32_t number : triangles)
-      for (std::size_t i = 0; i < 3; ++i) {
-        const std::uint32_t a = graph.triangle(number)[i], b = graph.triangle(number)[(i + 1) % 3];
-        const PolygonEdge& edge = graph.edge(graph.find(b, a));
-        if (edge.is_boundary) continue;
-        score.foreign += !edge.is_delaunay;
+  [[nodiscard]] std::uint64_t num_foreign(const std::vector<std::uint32_t>& triangles) const {
+    std::uint64_t count = 0;
+    for (const std::uint32_t t : triangles) count += graph.foreign_sides(t);
+    return count;
+  }
+
+  [[nodiscard]] std::uint32_t most_neighbors(const std::vector<std::uint32_t>& triangles) const {
+    const auto degree = degrees(graph, triangles);
+    return degree.empty() ? 0 : *std::max_element(degree.begin(), degree.end());
+  }
+
+  bool try_degree(std::uint32_t most, std::vector<std::uint32_t>& triangles, PolygonResult& result) {
+    bool found = false;
+    search.for_each_way(blocked, [&](const auto& way_blocked, const auto& closed) {
+      if (found) return;
+      ++result.programs;
+      found = triangulate_with_degree(graph, most, way_blocked, closed, triangles) && triangles.size() == size();
+    });
+    return found;
+  }
+
+  bool solve_degrees(PolygonResult& result) {
+    slots.assign(1, Objective::delaunay);
+    make_costs();
+    if (!search.run(costs, blocked, answer)) return false;
+    // The fewest neighbours that the program finds possible.
+    std::uint32_t high = most_neighbors(answer.triangle), low = 2;
+    for (const std::uint32_t base : problem->base_degree) low = std::max(low, base);
+    std::vector<std::uint32_t> triangles, best;
+    low = std::min(low, high);
+    while (low < high) {
+      const std::uint32_t middle = (low + high) / 2;
+      if (try_degree(middle, triangles, result)) {
+        high = middle;
+        best.swap(triangles);
+      } else {
+        low = middle + 1;
       }
-    // The weight as the program added it up: in an order that does not depend on the numbering of corners.
-    if (objective == Objective::min_weight) score.weight = min_weight.root_cell()[0].value.weight;
-    if (objective == Objective::local_minima) score.unserved = num_wanting() - count_served(triangles);
-    return score;
-  }
-
-  bool run_program() {
-    candidate.clear();
-    if (objective == Objective::min_weight) {
-      const MinWeightRule rule{*problem, graph};
-      if (!min_weight.run(rule, graph, blocked, closed)) return false;
-      min_weight.read_back(rule, candidate);
-    } else {
-      const LocalMinimaRule rule{*problem, graph};
-      if (!local_minima.run(rule, graph, blocked, closed)) return false;
-      local_minima.read_back(rule, candidate);
     }
-    return candidate.size() == problem->delaunay.size();
-  }
-
-  // Runs the program with the given ties as slits, and keeps the answer if it is better than the best so far.
-  bool try_ties(std::span<const Tie> ties) {
-    std::fill(blocked.begin(), blocked.end(), std::uint8_t{0});
-    std::fill(closed.begin(), closed.end(), std::uint8_t{0});
-    const auto at = [&](std::uint32_t v) { return problem->position[v]; };
-    for (const Tie& tie : ties) {
-      closed[tie.edge] = closed[tie.twin] = 1;
-      const LatticePoint a = at(graph.edge(tie.edge).origin), b = at(graph.edge(tie.edge).target);
-      for (std::uint32_t t = 0; t < graph.num_triangles(); ++t)
-        for (std::size_t i = 0; i < 3; ++i)
-          blocked[t] |= properly_cross(a, b, at(graph.triangle(t)[i]), at(graph.triangle(t)[(i + 1) % 3]));
-    }
-    if (!run_program()) return false;
-    const Score score = score_of(candidate);
-    if (best_score && !(score < *best_score)) return false;
-    best_score = score;
-    best.swap(candidate);
+    if (!best.empty() && most_neighbors(best) < most_neighbors(answer.triangle)) answer.triangle = best;
+    result.bound = low;
+    result.optimal = most_neighbors(answer.triangle) <= low;
     return true;
   }
 
-  // Ways that may be tried for this polygon: each costs a visit to every triangle.
-  [[nodiscard]] std::uint32_t affordable_ways() const {
-    constexpr std::uint32_t kTriangleVisits = 1U << 20;
-    return std::clamp(kTriangleVisits / graph.num_triangles(), std::uint32_t{1}, max_ways);
-  }
+  // ---- where a search would take too long ----
 
-  // All ways, counted like the digits of a number; true if they were few enough.
-  bool try_all_ways(const ComponentTies& ties, PolygonResult& result) {
-    std::uint64_t ways = 1;
-    for (std::uint32_t c = 0; c < ties.num_components(); ++c) {
-      ways *= ties.begin[c + 1] - ties.begin[c];
-      if (ways > affordable_ways()) return false;
-    }
-    std::vector<Tie> chosen(ties.num_components());
-    for (std::uint64_t way = 0; way < ways; ++way) {
-      std::uint64_t rest = way;
-      for (std::uint32_t c = 0; c < ties.num_components(); ++c) {
-        const std::uint32_t count = ties.begin[c + 1] - ties.begin[c];
-        chosen[c] = ties.tie[ties.begin[c] + rest % count];
-        rest /= count;
-      }
-      try_ties(chosen);
-    }
-    result.ways = static_cast<std::uint32_t>(ways);
+  [[nodiscard]] bool has_delaunay() const { return is_loose() || problem->delaunay.size() == problem->num_triangles; }
+
+  bool fall_back(PolygonResult& result) {
+    result.fell_back = true;
+    result.optimal = false;
+    if (!has_delaunay()) return false;
+    answer.triangle.clear();
+    for (std::uint32_t t = 0; t < problem->delaunay.size(); ++t) answer.triangle.push_back(t);
+    slots.clear();
+    std::vector<FlipCriterion> criteria;
+    std::vector<std::vector<double>> scores;
+    scores.reserve(options.objectives.size() + 1);
+    if (result.limit_missed) scores.emplace_back(blocked.begin(), blocked.end());
+    if (result.limit_missed) criteria.push_back({.score = &scores.back()});
+    for (const Objective objective : options.objectives) criteria.push_back(criterion(objective, scores));
+    slots.push_back(Objective::delaunay);
+    criteria.push_back({.slot = static_cast<int>(slots.size()) - 1});
+    make_costs();
+    const BeyondSides beyond = sides_beyond(graph);
+    improve_by_flips(graph, options, costs, criteria, beyond, answer.triangle);
+    if (result.limit_missed)
+      result.limit_missed =
+          std::any_of(answer.triangle.begin(), answer.triangle.end(), [&](std::uint32_t t) { return blocked[t] != 0; });
+    answer.value = value_of(graph, costs, answer.triangle);
+    bound_fallback(result, beyond);
     return true;
   }
 
-  // Changes one tie at a time from the Delaunay ties on, until no change improves.
-  void descend(const ComponentTies& ties, PolygonResult& result) {
-    std::vector<Tie> chosen;
-    for (std::uint32_t c = 0; c < ties.num_components(); ++c) chosen.push_back(ties.tie[ties.begin[c]]);
-    try_ties(chosen);
-    result.ways = 1;
-    const std::uint32_t most = affordable_ways();
-    for (bool improved = true; improved && result.ways < most;) {
-      improved = false;
-      for (std::uint32_t c = 0; c < ties.num_components() && result.ways < most; ++c)
-        for (std::uint32_t i = ties.begin[c]; i < ties.begin[c + 1]; ++i, ++result.ways) {
-          const Tie before = chosen[c];
-          chosen[c] = ties.tie[i];
-          if (try_ties(chosen))
-            improved = true;
-          else
-            chosen[c] = before;
-        }
+  FlipCriterion criterion(Objective objective, std::vector<std::vector<double>>& scores) {
+    switch (kind_of(objective)) {
+      case ObjectiveKind::bottleneck:
+        score_triangles(objective);
+        scores.push_back(score);
+        return {.score = &scores.back()};
+      case ObjectiveKind::degree:
+        return {.by_degree = true};
+      case ObjectiveKind::quadrilateral_sum:
+      case ObjectiveKind::quadrilateral_bottleneck:
+        return {.by_pairs = true};
+      default:
+        slots.push_back(objective);
+        return {.slot = static_cast<int>(slots.size()) - 1};
     }
   }
 
-  void solve_general(PolygonResult& result) {
-    graph.build(*problem);
-    blocked.assign(graph.num_triangles(), 0);
-    closed.assign(graph.num_edges(), 0);
-    best_score.reset();
-    if (problem->components == 0) {
-      [[maybe_unused]] const bool solved = run_program();
-      assert(solved && "a polygon has at least its Delaunay triangulation");
-      best.swap(candidate);
-      return;
+  void bound_fallback(PolygonResult& result, const BeyondSides& beyond) {
+    switch (kind_of(first())) {
+      case ObjectiveKind::bottleneck:
+        score_triangles(first());
+        result.bound = unrestricted_side_bound();
+        result.optimal = !result.limit_missed && worst_score(answer.triangle) <= result.bound;
+        break;
+      case ObjectiveKind::sum:
+        result.gap = std::max(0.0, from_fixed(answer.value[0]) - density_bound());
+        break;
+      case ObjectiveKind::degree:
+        result.bound = 2;
+        for (const std::uint32_t base : problem->base_degree) result.bound = std::max<double>(result.bound, base);
+        result.optimal = most_neighbors(answer.triangle) <= result.bound;
+        break;
+      case ObjectiveKind::quadrilateral_sum:  // at best every pair counts
+        result.gap = quadrilateral_value(graph, options, beyond, answer.triangle) + 1.5 * static_cast<double>(size());
+        break;
+      case ObjectiveKind::quadrilateral_bottleneck:
+        result.bound = first() == Objective::min_max_area_ratio ? 1 : 0;
+        break;
+      default:
+        break;
     }
-    const ComponentTies ties = find_component_ties(*problem, graph);
-    if (!try_all_ways(ties, result)) {
-      descend(ties, result);
-      result.optimal = false;
-    }
-    assert(best_score && "the Delaunay ties always work");
   }
+
+  // Every place of the polygon pays at least the least cost per area of any triangle.
+  [[nodiscard]] double density_bound() const {
+    double least = kInfinity, area = 0;
+    for (std::uint32_t t = 0; t < graph.num_triangles(); ++t) {
+      const auto [a, b, c] = corners(t);
+      least = std::min(least, from_fixed(costs.of(t, 0)) / twice_area(a, b, c));
+      if (t < problem->delaunay.size()) area += twice_area(a, b, c);
+    }
+    return least * area;
+  }
+
+  [[nodiscard]] std::size_t size() const { return is_loose() ? problem->delaunay.size() : problem->num_triangles; }
 
   // Whether a vertex stands on the boundary twice: its two corners may both count the same service.
   [[nodiscard]] bool has_repeated_vertices() const {
-    std::size_t sides = 0;
-    for (const std::uint8_t mask : problem->fixed) sides += (mask & 1U) + (mask >> 1 & 1U) + (mask >> 2 & 1U);
-    return sides != problem->position.size();
+    std::vector<std::uint8_t> count(problem->position.size(), 0);
+    bool repeated = false;
+    for (std::uint32_t e = 0; e < graph.num_edges(); ++e) {
+      const std::uint32_t twin = graph.find(graph.edge(e).target, graph.edge(e).origin);
+      if (graph.edge(twin).is_boundary) repeated = repeated || count[graph.edge(e).origin]++ > 0;
+    }
+    return repeated || problem->components > 0;
+  }
+
+  // ---- the whole ----
+
+  [[nodiscard]] bool keeps_delaunay() const {
+    if (!is_loose() || options.max_error) return false;
+    if (problem->others.empty() || first() == Objective::delaunay) return true;
+    if (options.objectives.size() > 1 || first() != Objective::local_minima) return false;
+    return std::all_of(problem->wants_lower.begin(), problem->wants_lower.end(),
+                       [](std::uint8_t wants) { return wants == 0; });
+  }
+
+  // The bound of a polygon that can be triangulated in one way only, or is not to be touched.
+  void judge_delaunay(PolygonResult& result) const {
+    if (kind_of(first()) == ObjectiveKind::bottleneck) {
+      result.bound = first() == Objective::min_max_order ? 0 : -kInfinity;
+      if (first() == Objective::min_max_error) {
+        add_delaunay_errors(result);
+        result.bound = std::exchange(result.error, {}).largest;
+      } else if (first() != Objective::min_max_order) {
+        for (const auto& [a, b, c] : problem->delaunay)
+          result.bound = std::max(
+              result.bound, triangle_score(first(), problem->position[a], problem->position[b], problem->position[c]));
+      }
+    } else if (kind_of(first()) == ObjectiveKind::degree) {
+      for (const std::uint32_t base : problem->base_degree) result.bound = std::max<double>(result.bound, base);
+    } else if (kind_of(first()) == ObjectiveKind::quadrilateral_bottleneck) {
+      result.bound = first() == Objective::min_max_area_ratio ? 1 : 0;
+    }
+  }
+
+  void add_delaunay_errors(PolygonResult& result) const {
+    const ErrorLimit* limit = options.max_error ? &*options.max_error : nullptr;
+    for (const ReferencePoint& p : problem->reference)
+      result.error.add(distance_from(p, problem->delaunay[p.triangle]), limit);
+  }
+
+  // By triangles in (x, y) order, because sums are rounded.
+  void add_errors(PolygonResult& result) {
+    if (error.empty()) error = reference_errors(graph, options.max_error ? &*options.max_error : nullptr);
+    std::sort(answer.triangle.begin(), answer.triangle.end(), [&](std::uint32_t s, std::uint32_t t) {
+      auto a = corners(s), b = corners(t);
+      std::sort(a.begin(), a.end());
+      std::sort(b.begin(), b.end());
+      return a < b;
+    });
+    for (const std::uint32_t t : answer.triangle) {
+      result.error.squared += error[t].squared;
+      result.error.absolute += error[t].absolute;
+      result.error.largest = std::max(result.error.largest, error[t].largest);
+      result.error.within_limit = result.error.within_limit && error[t].within_limit;
+    }
+  }
+
+  [[nodiscard]] VerticalDistance distance_from(const ReferencePoint& p, const std::array<std::uint32_t, 3>& t) const {
+    const auto corner = [&](std::size_t i) { return SurfacePoint{problem->position[t[i]], problem->height[t[i]]}; };
+    return vertical_distance(corner(0), corner(1), corner(2), p.position, p.height);
+  }
+
+  bool solve_graph(PolygonResult& result) {
+    blocked.assign(graph.num_triangles(), 0);
+    answer.triangle.clear();
+    error.clear();
+    search.start(graph, options);
+    measure_errors(result);
+    const ObjectiveKind kind = kind_of(first());
+    const bool staged = kind != ObjectiveKind::degree && kind != ObjectiveKind::quadrilateral_sum &&
+                        kind != ObjectiveKind::quadrilateral_bottleneck;
+    answer.triangle.clear();
+    if (!search.is_within_budget() || (!staged && search.is_linear())) return fall_back(result);
+    if (!staged && result.limit_missed) std::fill(blocked.begin(), blocked.end(), std::uint8_t{0});
+    if (kind == ObjectiveKind::degree) return solve_degrees(result);
+    if (!staged) return solve_quadrilaterals(result);
+    if (!solve_by_stages(result)) {
+      const bool exists = !search.is_proven() && has_delaunay();
+      return exists && fall_back(result);
+    }
+    judge(result);
+    return true;
+  }
+
+  [[nodiscard]] bool has_admissible(std::uint32_t e) const {
+    for (std::uint32_t o = graph.edge(e).first_option; o != kNoEdge; o = graph.option(o).next)
+      if (error[graph.option(o).triangle].within_limit) return true;
+    return false;
+  }
+
+  void find_servable() {
+    served.assign(problem->position.size(), 0);
+    for (std::uint32_t e = 0; e < graph.num_edges(); ++e) {
+      const std::uint32_t v = graph.edge(e).origin, w = graph.edge(e).target, twin = graph.find(w, v);
+      if (graph.edge(e).is_boundary || graph.edge(twin).is_boundary) continue;
+      if (!is_lower(problem->height[w], problem->position[w], problem->height[v], problem->position[v])) continue;
+      if (has_admissible(e) && has_admissible(twin)) served[v] = 1;
+    }
+    for (std::uint32_t v = 0; v < served.size(); ++v)
+      if (served[v]) servable.push_back(v);
+  }
+
+  void serve(PolygonResult& result) {
+    if (!by_minima()) return;
+    if (options.max_error) find_servable();
+    mark_served(graph, answer.triangle, served);
+    for (std::uint32_t v = 0; v < served.size(); ++v) {
+      if (problem->wants_lower[v] != 2) continue;
+      if (served[v])
+        ++result.served;
+      else
+        unserved.push_back(v);
+    }
+    if (first() == Objective::local_minima && unserved.empty()) result.optimal = true;
   }
 };
 
-PolygonSolver::PolygonSolver(Objective objective, std::uint32_t max_ways) : impl_(new Impl{objective, max_ways}) {}
+PolygonSolver::PolygonSolver(PolygonOptions options) : impl_(std::make_unique<Impl>(std::move(options))) {
+  assert(!objection_to(impl_->options.objectives));
+}
 PolygonSolver::~PolygonSolver() = default;
 PolygonSolver::PolygonSolver(PolygonSolver&&) noexcept = default;
 PolygonSolver& PolygonSolver::operator=(PolygonSolver&&) noexcept = default;
 
-PolygonResult PolygonSolver::solve(const PolygonProblem& problem, Triangles& triangles) {
+std::span<const std::uint32_t> PolygonSolver::unserved() const {
+  return impl_->unserved;
+}
+std::span<const std::uint32_t> PolygonSolver::servable() const {
+  return impl_->servable;
+}
+
+PolygonResult PolygonSolver::solve(const PolygonProblem& problem,
+                                   std::vector<std::array<std::uint32_t, 3>>& triangles) {
   Impl& self = *impl_;
   self.problem = &problem;
+  self.unserved.clear();
+  self.servable.clear();
   PolygonResult result;
-  const bool by_minima = self.objective == Objective::local_minima;
-  const std::uint32_t wanting = by_minima ? self.num_wanting() : 0;
-  const bool keep_delaunay =
-      problem.others.empty() || self.objective == Objective::delaunay || (by_minima && wanting == 0);
-  if (keep_delaunay) {
+  if (self.keeps_delaunay()) {
     triangles.insert(triangles.end(), problem.delaunay.begin(), problem.delaunay.end());
+    self.judge_delaunay(result);
+    self.add_delaunay_errors(result);
     return result;
   }
-  self.solve_general(result);
-  if (by_minima) {
-    result.served = self.count_served(self.best);
-    if (self.has_repeated_vertices()) result.optimal = false;
-    if (result.served == wanting) result.optimal = true;
-  }
-  for (const std::uint32_t number : self.best) {
+  self.graph.build(problem);
+  result.is_triangulated = self.solve_graph(result);
+  result.programs += self.search.programs();
+  if (!result.is_triangulated) return result;
+  self.serve(result);
+  if (!problem.reference.empty()) self.add_errors(result);
+  for (const std::uint32_t number : self.answer.triangle) {
     triangles.push_back(self.graph.triangle(number));
-    if (number >= problem.delaunay.size())
-      result.max_order =
-          std::max<std::uint32_t>(result.max_order, problem.others_order[number - problem.delaunay.size()]);
+    result.max_order = std::max(result.max_order, self.order_of(number));
   }
   return result;
 }

@@ -57,10 +57,35 @@ const PolygonProblem& PolygonExtractor::extract(std::uint32_t f) {
   if (source_.assignment)
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
       const TriangleId where = source_.assignment->where[vertices_[i].value];
-      wants_lower_[i] = !where.is_none() && source_.subdivision.polygon[where.value] == f;
+      if (!where.is_none() && source_.subdivision.polygon[where.value] == f) wants_lower_[i] = 2;
     }
   problem_ = {position_, height_, wants_lower_,  delaunay_,
               fixed_,    others_, others_order_, source_.subdivision.components[f]};
+  if (source_.reference) add_reference(f);
+  if (!source_.base_degree.empty()) {
+    base_degree_.clear();
+    for (const VertexId v : vertices_) base_degree_.push_back(source_.base_degree[v.value]);
+    problem_.base_degree = base_degree_;
+  }
+  return problem_;
+}
+
+void PolygonExtractor::add_reference(std::uint32_t f) {
+  reference_.clear();
+  const auto triangles = source_.subdivision.triangles_of(f);
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    for (ReferencePoint p : source_.reference->of(triangles[t].value)) {
+      p.triangle = t;
+      reference_.push_back(p);
+    }
+  problem_.reference = reference_;
+}
+
+const PolygonProblem& PolygonExtractor::adopt(std::span<const VertexId> vertices) {
+  for (const VertexId v : vertices) {
+    const std::uint32_t number = local_of_[v.value];
+    if (number != 0 && wants_lower_[number - 1] == 0) wants_lower_[number - 1] = 1;
+  }
   return problem_;
 }
 

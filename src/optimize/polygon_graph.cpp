@@ -35,11 +35,14 @@ std::uint32_t PolygonGraph::find_or_add(std::uint32_t origin, std::uint32_t targ
 void PolygonGraph::add_triangle(std::uint32_t t, bool delaunay) {
   const auto& v = triangle(t);
   std::array<std::uint32_t, 3> inner, outer;
+  std::uint8_t foreign = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     inner[i] = find_or_add(v[i], v[(i + 1) % 3]);
     outer[i] = find_or_add(v[(i + 1) % 3], v[i]);
     if (delaunay) edges_[inner[i]].is_delaunay = edges_[outer[i]].is_delaunay = true;
+    foreign = static_cast<std::uint8_t>(foreign + !edges_[inner[i]].is_delaunay);
   }
+  foreign_.push_back(foreign);
   for (std::size_t i = 0; i < 3; ++i) {
     const auto o = static_cast<std::uint32_t>(options_.size());
     options_.push_back({t, v[(i + 2) % 3], outer[(i + 2) % 3], outer[(i + 1) % 3], edges_[inner[i]].first_option});
@@ -47,24 +50,32 @@ void PolygonGraph::add_triangle(std::uint32_t t, bool delaunay) {
   }
 }
 
+// Directed sides with the polygon on their left.
+template <class Visit>
+void PolygonGraph::for_sides(Visit visit) const {
+  for (const auto& [a, b] : problem_->rim) visit(a, b);
+  if (!problem_->rim.empty()) return;
+  for (std::size_t t = 0; t < problem_->delaunay.size(); ++t)
+    for (std::uint32_t i = 0; i < 3; ++i)
+      if (problem_->fixed[t] >> i & 1U) visit(problem_->delaunay[t][i], problem_->delaunay[t][(i + 1) % 3]);
+}
+
 void PolygonGraph::build(const PolygonProblem& problem) {
   problem_ = &problem;
   edges_.clear();
   options_.clear();
+  foreign_.clear();
   const auto num_delaunay = static_cast<std::uint32_t>(problem.delaunay.size());
-  slot_.assign(std::bit_ceil(std::size_t{12} * num_triangles()), kNoEdge);
+  slot_.assign(std::bit_ceil(std::size_t{12} * num_triangles() + 4 * problem.rim.size() + 4), kNoEdge);
   for (std::uint32_t t = 0; t < num_delaunay; ++t) add_triangle(t, true);
   for (std::uint32_t t = num_delaunay; t < num_triangles(); ++t) add_triangle(t, false);
-
-  const auto for_fixed_sides = [&](auto visit) {
-    for (std::uint32_t t = 0; t < num_delaunay; ++t)
-      for (std::uint32_t i = 0; i < 3; ++i)
-        if (problem.fixed[t] >> i & 1U) visit(problem.delaunay[t][i], problem.delaunay[t][(i + 1) % 3]);
-  };
-  for_fixed_sides([&](std::uint32_t a, std::uint32_t b) { edges_[find(b, a)].is_boundary = true; });
+  for_sides([&](std::uint32_t a, std::uint32_t b) {
+    find_or_add(a, b);
+    edges_[find_or_add(b, a)].is_boundary = true;
+  });
   root_ = kNoEdge;
   std::pair<LatticePoint, LatticePoint> smallest;
-  for_fixed_sides([&](std::uint32_t a, std::uint32_t b) {
+  for_sides([&](std::uint32_t a, std::uint32_t b) {
     const std::uint32_t side = find(a, b);
     const std::pair key{problem.position[a], problem.position[b]};
     if (edges_[side].is_boundary) return;  // the same polygon on both sides

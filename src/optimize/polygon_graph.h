@@ -2,12 +2,11 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "hydrotin/polygon.h"
 
-/// The directed useful edges of one polygon and the triangles that can stand on them.
+/// The directed edges of the triangles that a polygon may be made of, and the triangles that can stand on them.
 
 namespace hydrotin {
 
@@ -26,7 +25,7 @@ struct PolygonEdge {
   std::uint32_t origin, target;
   std::uint32_t first_option;  ///< kNoEdge: none
   bool is_delaunay;
-  bool is_boundary;  ///< fixed, with the outside (or a slit) on its left: nothing to triangulate
+  bool is_boundary;  ///< the outside (or a slit) is on its left: nothing to triangulate
 };
 
 /// Built anew for each polygon; the arrays are reused.
@@ -36,6 +35,7 @@ class PolygonGraph {
 
   [[nodiscard]] std::uint32_t num_edges() const { return static_cast<std::uint32_t>(edges_.size()); }
   [[nodiscard]] const PolygonEdge& edge(std::uint32_t e) const { return edges_[e]; }
+  [[nodiscard]] std::uint32_t num_options() const { return static_cast<std::uint32_t>(options_.size()); }
   [[nodiscard]] const Option& option(std::uint32_t o) const { return options_[o]; }
   /// The smallest side of the polygon by (origin, target) in (x, y), with the polygon on its left only.
   [[nodiscard]] std::uint32_t root() const { return root_; }
@@ -46,14 +46,20 @@ class PolygonGraph {
   [[nodiscard]] std::uint32_t num_triangles() const {
     return static_cast<std::uint32_t>(problem_->delaunay.size() + problem_->others.size());
   }
+  /// Sides of triangle t that are not Delaunay edges.
+  [[nodiscard]] std::uint32_t foreign_sides(std::uint32_t t) const { return foreign_[t]; }
+  [[nodiscard]] const PolygonProblem& problem() const { return *problem_; }
 
  private:
   std::uint32_t find_or_add(std::uint32_t origin, std::uint32_t target);
   void add_triangle(std::uint32_t t, bool delaunay);
+  template <class Visit>
+  void for_sides(Visit visit) const;
 
   const PolygonProblem* problem_ = nullptr;
   std::vector<PolygonEdge> edges_;
   std::vector<Option> options_;
+  std::vector<std::uint8_t> foreign_;
   std::vector<std::uint32_t> slot_;  // open addressing: directed edge, or kNoEdge
   std::uint32_t root_ = kNoEdge;
 };

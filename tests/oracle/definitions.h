@@ -91,7 +91,8 @@ inline std::map<Triangle, int> empty_triangles(const Points& p) {
   return out;
 }
 
-/// All order-k triangulations of a small point set (up to about nine points).
+/// All order-k triangulations of a small point set (up to about nine points), or of a polygon given by its directed
+/// sides with the inside on their left.
 class AllTriangulations {
  public:
   AllTriangulations(const Points& points, int k) : p_(points) {
@@ -99,6 +100,17 @@ class AllTriangulations {
       if (order <= k) usable_.push_back(t);
     for (const auto& [a, b] : hull()) open_.insert({a, b});
     if (!open_.empty()) extend();
+  }
+
+  AllTriangulations(const Points& points, int k, const std::vector<std::pair<int, int>>& sides) : p_(points) {
+    for (const auto& [t, order] : empty_triangles(points)) {
+      bool cut = order > k;
+      for (const auto& [a, b] : sides)
+        for (std::size_t i = 0; i < 3; ++i) cut = cut || cross(at(a), at(b), at(t[i]), at(t[(i + 1) % 3]));
+      if (!cut) usable_.push_back(t);
+    }
+    open_.insert(sides.begin(), sides.end());
+    extend();
   }
 
   [[nodiscard]] const std::vector<Triangles>& all() const { return found_; }

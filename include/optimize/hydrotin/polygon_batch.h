@@ -8,6 +8,7 @@
 #include "hydrotin/local_minima.h"
 #include "hydrotin/order_k_triangles.h"
 #include "hydrotin/polygon.h"
+#include "hydrotin/reference_location.h"
 #include "hydrotin/subdivision.h"
 
 /// Cuts the polygons of a subdivision out as problems of their own, and writes the answers back.
@@ -34,6 +35,8 @@ struct PolygonSource {
   const OrderKTriangles& triangles;
   const PolygonCandidates& candidates;
   const MinimaAssignment* assignment = nullptr;  ///< for local-minima only
+  const ReferenceLocation* reference = nullptr;  ///< for vertical errors only
+  std::span<const std::uint32_t> base_degree{};  ///< [n] for min-max-degree only
 };
 
 /// Copies one polygon at a time into local arrays.
@@ -43,10 +46,13 @@ class PolygonExtractor {
 
   /// The problem of polygon f; valid until the next call. `vertices()` maps its vertices back.
   const PolygonProblem& extract(std::uint32_t f);
+  /// The last problem with more vertices that may be served (`wants_lower` 1); those it does not hold are passed over.
+  const PolygonProblem& adopt(std::span<const VertexId> vertices);
   [[nodiscard]] std::span<const VertexId> vertices() const { return vertices_; }
 
  private:
   std::uint32_t local(VertexId v);
+  void add_reference(std::uint32_t f);
 
   const PolygonSource& source_;
   PolygonProblem problem_;
@@ -56,6 +62,8 @@ class PolygonExtractor {
   std::vector<std::int32_t> height_;
   std::vector<std::uint8_t> wants_lower_, fixed_, others_order_;
   std::vector<std::array<std::uint32_t, 3>> delaunay_, others_;
+  std::vector<ReferencePoint> reference_;
+  std::vector<std::uint32_t> base_degree_;
 };
 
 }  // namespace hydrotin

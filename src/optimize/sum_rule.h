@@ -1,0 +1,122 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+#include "polygon_costs.h"
+#include "polygon_program.h"
+
+/// The rule for sums over triangles and for local minima (T3.1, T3.2.2).
+///
+/// With `States` = 4 vertices can be served: state bit 0: the origin of the edge has to get a lower neighbour strictly
+/// inside; bit 1: its target has to. Equal values: the apex that comes first in (x, y).
+
+namespace hydrotin {
+
+/// @tparam Scalar  int64 if all values are small, else Wide
+template <class Scalar, int Slots, int States>
+struct SumRule {
+  using Value = std::array<Scalar, Slots>;
+  struct Entry {
+    Value value{};
+    std::uint32_t option = kNoEdge;
+    std::array<std::uint8_t, 2> child_state{};
+    bool possible = false;
+  };
+  using Cell = std::array<Entry, States>;
+
+  const PolygonProblem& problem;
+  const PolygonGraph& graph;
+  const PolygonCosts& costs;
+  std::array<Scalar, 3> gain{};  ///< by wants_lower
+  int gain_slot = 0;
+
+  [[nodiscard]] static Cell empty() { return {}; }
+  [[nodiscard]] static Cell boundary(std::uint32_t) {
+    Cell cell{};
+    cell[0].possible = true;
+    return cell;
+  }
+
+  void improve(Cell& cell, std::uint32_t o, const Cell& left, const Cell& right) const {
+    if constexpr (States == 1) {
+      offer(cell[0], o, left[0], right[0], 0, {0, 0});
+    } else {
+      improve_states(cell, o, left, right);
+    }
+  }
+
+  [[nodiscard]] int best_state(const Cell& cell) const {
+    int best = -1;
+    Value best_value{};
+    for (int state = 0; state < States; ++state) {
+      const Entry& entry = cell[static_cast<std::size_t>(state)];
+      if (!entry.possible) continue;
+      Value value = entry.value;
+      if constexpr (States == 4) {
+        const PolygonEdge& root = graph.edge(graph.root());
+        if (state & 1) value[slot()] -= gain[problem.wants_lower[root.origin]];
+        if (state & 2) value[slot()] -= gain[problem.wants_lower[root.target]];
+      }
+      if (best >= 0 && !(value < best_value)) continue;
+      best = state;
+      best_value = value;
+    }
+    return best;
+  }
+
+ private:
+  [[nodiscard]] std::size_t slot() const { return static_cast<std::size_t>(gain_slot); }
+  [[nodiscard]] bool lower(std::uint32_t p, std::uint32_t q) const {
+    return is_lower(problem.height[p], problem.position[p], problem.height[q], problem.position[q]);
+  }
+
+  void improve_states(Cell& cell, std::uint32_t o, const Cell& left, const Cell& right) const {
+    const Option& option = graph.option(o);
+    const PolygonEdge& el = graph.edge(option.left_child);   // i -> q
+    const PolygonEdge& er = graph.edge(option.right_child);  // q -> j
+    const std::uint32_t i = el.origin, q = option.apex, j = er.target;
+    const bool inner_l = !el.is_boundary, inner_r = !er.is_boundary;
+    const bool i_served = inner_l && lower(q, i), j_served = inner_r && lower(q, j);
+    const bool q_served = (inner_l && !i_served) || (inner_r && !j_served);
+    const Scalar q_gain = gain[problem.wants_lower[q]];
+    for (unsigned state = 0; state < 4; ++state) {
+      const unsigned need_i = (state & 1U) && !i_served, need_j = (state & 2U) && !j_served;
+      const auto offer_states = [&](unsigned q_left, unsigned q_right, Scalar served) {
+        const unsigned sl = need_i | q_left << 1U, sr = q_right | need_j << 1U;
+        offer(cell[state], o, left[sl], right[sr], served,
+              {static_cast<std::uint8_t>(sl), static_cast<std::uint8_t>(sr)});
+      };
+      offer_states(0, 0, q_served ? q_gain : Scalar{0});
+      if (q_gain != 0 && !q_served) {
+        offer_states(1, 0, q_gain);
+        offer_states(0, 1, q_gain);
+      }
+    }
+  }
+
+  [[nodiscard]] Scalar cost(std::uint32_t triangle, std::size_t s) const {
+    if (static_cast<int>(s) < costs.num_slots) return static_cast<Scalar>(costs.of(triangle, static_cast<int>(s)));
+    return 0;
+  }
+
+  void offer(Entry& entry, std::uint32_t o, const Entry& left, const Entry& right, Scalar served,
+             std::array<std::uint8_t, 2> child_state) const {
+    if (!left.possible || !right.possible) return;
+    const Option& option = graph.option(o);
+    Value value;
+    for (std::size_t s = 0; s < Slots; ++s) value[s] = left.value[s] + right.value[s] + cost(option.triangle, s);
+    if constexpr (States == 4) value[slot()] -= served;
+    if (entry.possible) {
+      if (entry.value < value) return;
+      if (entry.value == value &&
+          (entry.option == o || !(problem.position[option.apex] < problem.position[graph.option(entry.option).apex])))
+        return;
+    }
+    entry = {value, o, child_state, true};
+  }
+};
+
+}  // namespace hydrotin

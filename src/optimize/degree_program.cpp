@@ -18,6 +18,7 @@ struct DegreeRule {
   using Cell = std::vector<Entry>;  // by number of inner edges allowed at the origin
 
   const PolygonGraph& graph;
+  const std::vector<std::uint8_t>& closed;
   std::uint32_t most;
 
   [[nodiscard]] Cell empty() const { return Cell(most + 1); }
@@ -28,8 +29,7 @@ struct DegreeRule {
 
   void improve(Cell& cell, std::uint32_t o, const Cell& left, const Cell& right) const {
     const Option& option = graph.option(o);
-    const std::uint32_t inner_l = !graph.edge(option.left_child).is_boundary,
-                        inner_r = !graph.edge(option.right_child).is_boundary;
+    const std::uint32_t inner_l = is_inner(option.left_child), inner_r = is_inner(option.right_child);
     const std::uint32_t taken = base(option.apex) + inner_l + inner_r;
     if (taken > most) return;
     for (std::uint32_t allowed = inner_l; allowed <= most; ++allowed) {
@@ -45,6 +45,9 @@ struct DegreeRule {
       entry = {needed, o, {allowed - inner_l, rest}};
     }
   }
+
+  // A closed edge would be counted from both sides: it is left out, so that what the program rules out is impossible.
+  [[nodiscard]] std::uint32_t is_inner(std::uint32_t e) const { return !graph.edge(e).is_boundary && !closed[e]; }
 
   [[nodiscard]] bool earlier(std::uint32_t o, std::uint32_t p) const {
     const auto at = [&](std::uint32_t option) { return graph.problem().position[graph.option(option).apex]; };
@@ -78,7 +81,7 @@ std::vector<std::uint32_t> degrees(const PolygonGraph& graph, const std::vector<
 
 bool triangulate_with_degree(const PolygonGraph& graph, std::uint32_t most, const std::vector<std::uint8_t>& blocked,
                              const std::vector<std::uint8_t>& closed, std::vector<std::uint32_t>& triangles) {
-  const DegreeRule rule{graph, most};
+  const DegreeRule rule{graph, closed, most};
   PolygonProgram<DegreeRule> program;
   if (!program.run(rule, graph, blocked, closed)) return false;
   triangles.clear();

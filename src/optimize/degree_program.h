@@ -14,9 +14,9 @@ namespace hydrotin {
 [[nodiscard]] std::vector<std::uint32_t> degrees(const PolygonGraph& graph,
                                                  const std::vector<std::uint32_t>& triangles);
 
-/// A triangulation in which no vertex has more than `most` neighbours; false if there is none without blocked
-/// triangles. Exact if no vertex stands on the boundary twice and nothing is closed. O(most) for each of the T + C
-/// triangles.
+/// A triangulation in which no vertex has more than `most` neighbours; false if there is certainly none without blocked
+/// triangles. Where vertices stand on the boundary twice or edges are closed, each corner counts for itself and closed
+/// edges do not count: the answer may exceed `most`. O(most) for each of the T + C triangles.
 bool triangulate_with_degree(const PolygonGraph& graph, std::uint32_t most, const std::vector<std::uint8_t>& blocked,
                              const std::vector<std::uint8_t>& closed, std::vector<std::uint32_t>& triangles);
 

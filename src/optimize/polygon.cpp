@@ -273,18 +273,17 @@ struct PolygonSolver::Impl {
     // The fewest neighbours that the program finds possible.
     std::uint32_t high = most_neighbors(answer.triangle), low = 2;
     for (const std::uint32_t base : problem->base_degree) low = std::max(low, base);
-    std::vector<std::uint32_t> triangles, best;
+    std::vector<std::uint32_t> triangles;
     low = std::min(low, high);
     while (low < high) {
       const std::uint32_t middle = (low + high) / 2;
-      if (try_degree(middle, triangles, result)) {
-        high = middle;
-        best.swap(triangles);
-      } else {
+      if (!try_degree(middle, triangles, result)) {
         low = middle + 1;
+        continue;
       }
+      high = middle;
+      if (most_neighbors(triangles) < most_neighbors(answer.triangle)) answer.triangle = triangles;
     }
-    if (!best.empty() && most_neighbors(best) < most_neighbors(answer.triangle)) answer.triangle = best;
     result.bound = low;
     result.optimal = most_neighbors(answer.triangle) <= low;
     return true;

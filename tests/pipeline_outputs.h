@@ -20,7 +20,7 @@
 #include <utility>
 #include <vector>
 
-#include "hydrotin/error.h"
+#include "expected_error.h"
 #include "hydrotin/mesh.h"
 #include "hydrotin/pipeline.h"
 #include "hydrotin/raster.h"
@@ -35,18 +35,6 @@ namespace hydrotin::testing {
 inline DatasetSummary run(const PipelineOptions& options) {
   Silent silent;
   return run_pipeline(options, {}, silent);
-}
-
-template <class Function>
-std::string error_of(Function&& function, ErrorKind kind) {
-  try {
-    function();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), kind) << error.what();
-    return error.what();
-  }
-  ADD_FAILURE() << "no error";
-  return {};
 }
 
 inline std::string bytes_of(const std::string& path) {

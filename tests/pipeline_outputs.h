@@ -32,16 +32,6 @@
 
 namespace hydrotin::testing {
 
-inline DatasetSummary run(const PipelineOptions& options) {
-  Silent silent;
-  return run_pipeline(options, {}, silent);
-}
-
-inline std::string bytes_of(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 /// Files of a folder with this extension, by name.
 inline std::vector<std::string> files_in(const std::string& folder, const std::string& extension) {
   std::vector<std::string> out;

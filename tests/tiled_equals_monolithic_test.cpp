@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -25,8 +24,10 @@
 namespace hydrotin {
 namespace {
 
+using testing::bytes_of;
 using testing::CloudKind;
 using testing::Monolith;
+using testing::run;
 using testing::TemporaryFolder;
 
 // --- the factors ---------------------------------------------------------------------------------------------------
@@ -211,16 +212,6 @@ void expect_equal(const DatasetSummary& got, const Monolith& expected) {
   EXPECT_EQ(got.triangles, expected.triangles);
   EXPECT_EQ(got.pits, 0U);
   EXPECT_TRUE(got.ok);
-}
-
-DatasetSummary run(const PipelineOptions& options) {
-  testing::Silent silent;
-  return run_pipeline(options, {}, silent);
-}
-
-std::string bytes_of(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 /// Starts a run that kills itself. Returns whether it was killed before its end.

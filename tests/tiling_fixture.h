@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <set>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,16 @@ class Silent : public Progress {
   void phase_ends(Phase, double) override {}
   void note(std::string_view) override {}
 };
+
+inline DatasetSummary run(const PipelineOptions& options) {
+  Silent silent;
+  return run_pipeline(options, {}, silent);
+}
+
+inline std::string bytes_of(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
 
 inline LasWriterOptions cloud_header() {
   LasWriterOptions options;

@@ -4,6 +4,7 @@ hydrotin_test(laz_codec_test SOURCES laz_codec_test.cpp DEPENDS io core PRIVATE 
 hydrotin_test(las_writer_test SOURCES las_writer_test.cpp DEPENDS io core PRIVATE GDAL::GDAL)
 # A program of its own: continuous integration runs it once more in a build with sanitizers.
 hydrotin_test(las_robustness_test SOURCES las_robustness_test.cpp DEPENDS io core PRIVATE GDAL::GDAL)
+target_include_directories(las_robustness_test PRIVATE ${PROJECT_SOURCE_DIR}/src/io)
 
 find_package(benchmark QUIET)
 if(HYDROTIN_BENCHMARKS AND benchmark_FOUND)

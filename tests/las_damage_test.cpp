@@ -12,6 +12,8 @@
 #include "hydrotin/error.h"
 #include "hydrotin/las.h"
 #include "hydrotin/las_summary.h"
+#include "las_decoding.h"
+#include "las_header_bytes.h"
 #include "las_memory_file.h"
 #include "shared_data.h"
 
@@ -20,7 +22,9 @@
 namespace hydrotin {
 namespace {
 
+using testing::all_records;
 using testing::Bytes;
+using testing::las_header_bytes;
 using testing::MemoryFile;
 using testing::peek;
 using testing::poke;
@@ -42,15 +46,6 @@ void expect_problem(const std::string& path, const std::string& word) {
   const std::string problem = problem_of(path);
   EXPECT_NE(problem.find(word), std::string::npos) << "\"" << problem << "\" lacks \"" << word << "\"";
   EXPECT_EQ(problem.find(path), 0U) << "names the file first: " << problem;
-}
-
-std::vector<std::byte> all_records(const LasFile& file) {
-  std::vector<std::byte> all, chunk;
-  for (std::size_t i = 0; i < file.num_chunks(); ++i) {
-    file.decode_records(i, chunk);
-    all.insert(all.end(), chunk.begin(), chunk.end());
-  }
-  return all;
 }
 
 TEST(LasBroken, EachIsRefusedByItsFault) {
@@ -92,29 +87,9 @@ TEST(LasBroken, OtherThingsThanLasFiles) {
   expect_problem("/", "is a folder");
 }
 
-// A LAS file with the given header values and no points behind it.
-Bytes header_only(int minor, int format, std::uint16_t record_length, std::uint64_t points) {
-  const std::uint16_t bytes = minor >= 4 ? 375 : 227;
-  Bytes h(bytes, 0);
-  std::memcpy(h.data(), "LASF", 4);
-  h[24] = 1;
-  h[25] = static_cast<std::uint8_t>(minor);
-  poke(h, 94, bytes);
-  poke(h, 96, std::uint32_t{bytes});
-  h[104] = static_cast<std::uint8_t>(format);
-  poke(h, 105, record_length);
-  if (minor >= 4) {
-    poke(h, 247, points);
-  } else {
-    poke(h, 107, static_cast<std::uint32_t>(points));
-  }
-  for (std::size_t axis = 0; axis < 3; ++axis) poke(h, 131 + 8 * axis, 0.01);
-  return h;
-}
-
 TEST(LasHeader, SenselessValuesAreNamed) {
   const auto problem = [](auto change, const char* word) {
-    Bytes h = header_only(2, 1, 28, 0);
+    Bytes h = las_header_bytes(2, 1, 28, 0);
     change(h);
     const MemoryFile file("senseless.las", h);
     expect_problem(file.path(), word);
@@ -137,14 +112,14 @@ TEST(LasHeader, SenselessValuesAreNamed) {
         h.push_back(0);
       },
       "no laszip record");
-  const MemoryFile sound("sound.las", header_only(2, 1, 28, 0));
+  const MemoryFile sound("sound.las", las_header_bytes(2, 1, 28, 0));
   EXPECT_EQ(problem_of(sound.path()), "");
 }
 
 // More points than 32 bits count, in a file that says it has them all (its size is a sparse file's).
 TEST(LasHeader, MoreThan32BitsOfPoints) {
   constexpr std::uint64_t kPoints = 5'000'000'123ULL;
-  Bytes h = header_only(4, 6, 30, kPoints);
+  Bytes h = las_header_bytes(4, 6, 30, kPoints);
   const MemoryFile missing("missing.las", h);
   expect_problem(missing.path(), "declares 5000000123 points, but only 0 are there");
   EXPECT_EQ(read_las_header(missing.path()).point_count, kPoints);
@@ -174,13 +149,13 @@ TEST(LasHeader, MoreThan32BitsOfPoints) {
 
   // No multiplication overflows: 2^60 records of 30 bytes are 0 bytes modulo 2^64.
   for (const std::uint64_t points : {std::uint64_t{1} << 60U, std::uint64_t{1} << 63U, ~std::uint64_t{0}}) {
-    const MemoryFile absurd("absurd.las", header_only(4, 6, 32, points));
+    const MemoryFile absurd("absurd.las", las_header_bytes(4, 6, 32, points));
     expect_problem(absurd.path(), "declares " + std::to_string(points));
   }
 }
 
 TEST(LasHeader, LegacyCountServesWhereTheLongOneIsZero) {
-  Bytes h = header_only(4, 1, 28, 0);
+  Bytes h = las_header_bytes(4, 1, 28, 0);
   poke<std::uint32_t>(h, 107, 2);
   h.resize(h.size() + 56);
   const MemoryFile file("legacy.las", h);
@@ -188,7 +163,7 @@ TEST(LasHeader, LegacyCountServesWhereTheLongOneIsZero) {
 }
 
 TEST(LasHeader, MorePointsThanDeclaredAreWorthAWarning) {
-  Bytes h = header_only(2, 1, 28, 1);
+  Bytes h = las_header_bytes(2, 1, 28, 1);
   h.resize(h.size() + 28 * 5);
   const MemoryFile file("more.las", h);
   const LasFile las(file.path());

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <utility>
 #include <vector>
 
 /// Files for reading tests, in memory.
@@ -47,6 +48,41 @@ class MemoryFile {
  private:
   std::string path_;
   Bytes bytes_;
+};
+
+/// A file in memory whose bytes can be damaged and mended, or whose end can be cut off, without copying it each time.
+class DamagedFile {
+ public:
+  DamagedFile(const std::string& name, Bytes sound) : path_("/vsimem/" + name), bytes_(std::move(sound)) {
+    show(size());
+  }
+  ~DamagedFile() { VSIUnlink(path_.c_str()); }
+  DamagedFile(const DamagedFile&) = delete;
+  DamagedFile& operator=(const DamagedFile&) = delete;
+  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] const Bytes& bytes() const { return bytes_; }
+  [[nodiscard]] std::size_t size() const { return bytes_.size(); }
+
+  /// Changes the bits of a byte that are set in `mask`.
+  void flip(std::size_t at, std::uint8_t mask) {
+    bytes_[at] ^= mask;
+    flipped_.emplace_back(at, mask);
+  }
+  /// Lets the file end after `length` bytes.
+  void cut(std::size_t length) { show(length); }
+  /// Undoes all flips and cuts.
+  void mend() {
+    for (const auto& [at, mask] : flipped_) bytes_[at] ^= mask;
+    flipped_.clear();
+    show(size());
+  }
+
+ private:
+  void show(std::size_t length) { VSIFCloseL(VSIFileFromMemBuffer(path_.c_str(), bytes_.data(), length, FALSE)); }
+
+  std::string path_;
+  Bytes bytes_;
+  std::vector<std::pair<std::size_t, std::uint8_t>> flipped_;
 };
 
 }  // namespace hydrotin::testing

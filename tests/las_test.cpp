@@ -13,23 +13,15 @@
 #include "hydrotin/error.h"
 #include "hydrotin/las_summary.h"
 #include "las_corpus.h"
+#include "las_decoding.h"
 #include "shared_data.h"
 
 namespace hydrotin {
 namespace {
 
+using testing::all_records;
 using testing::LasExpectation;
 using testing::shared_path;
-
-std::vector<std::byte> all_records(const LasFile& file) {
-  std::vector<std::byte> all, chunk;
-  for (std::size_t i = 0; i < file.num_chunks(); ++i) {
-    file.decode_records(i, chunk);
-    EXPECT_EQ(chunk.size(), file.chunk_point_count(i) * file.header().record_length);
-    all.insert(all.end(), chunk.begin(), chunk.end());
-  }
-  return all;
-}
 
 // --- pairs: a LAZ file holds the records of its LAS file -----------------------------------------------------------
 

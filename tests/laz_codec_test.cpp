@@ -6,6 +6,8 @@
 
 #include "hydrotin/error.h"
 #include "hydrotin/las.h"
+#include "las_decoding.h"
+#include "las_header_bytes.h"
 #include "las_memory_file.h"
 #include "laz_encoder.h"
 
@@ -16,6 +18,7 @@ namespace hydrotin {
 namespace {
 
 using testing::Bytes;
+using testing::las_header_bytes;
 using testing::MemoryFile;
 using testing::peek;
 using testing::poke;
@@ -28,28 +31,6 @@ constexpr std::size_t kWavepacket = 29;
 struct Item {
   std::uint16_t type, size, version;
 };
-
-Bytes las_header(int format, std::uint16_t record_length, std::uint64_t points, bool compressed,
-                 std::size_t vlr_bytes) {
-  const bool is_14 = format >= 6;
-  const std::uint16_t bytes = is_14 ? 375 : 227;
-  Bytes h(bytes, 0);
-  std::memcpy(h.data(), "LASF", 4);
-  h[24] = 1;
-  h[25] = is_14 ? 4 : 2;
-  poke(h, 94, bytes);
-  poke(h, 96, static_cast<std::uint32_t>(bytes + vlr_bytes));
-  poke(h, 100, std::uint32_t{compressed ? 1U : 0U});
-  h[104] = static_cast<std::uint8_t>(format | (compressed ? 0x80 : 0));
-  poke(h, 105, record_length);
-  if (is_14) {
-    poke(h, 247, points);
-  } else {
-    poke(h, 107, static_cast<std::uint32_t>(points));
-  }
-  for (std::size_t axis = 0; axis < 3; ++axis) poke(h, 131 + 8 * axis, 0.01);
-  return h;
-}
 
 Bytes laz_head(int format, std::uint64_t points, std::uint16_t compressor, std::uint32_t chunk_size,
                const std::vector<Item>& items) {
@@ -68,7 +49,10 @@ Bytes laz_head(int format, std::uint64_t points, std::uint16_t compressor, std::
     poke(vlr, 90 + 6 * i, items[i].size);
     poke(vlr, 92 + 6 * i, items[i].version);
   }
-  Bytes file = las_header(format, record_length, points, true, vlr.size());
+  Bytes file = las_header_bytes(format >= 6 ? 4 : 2, format, record_length, points);
+  poke(file, 96, static_cast<std::uint32_t>(file.size() + vlr.size()));
+  poke(file, 100, std::uint32_t{1});
+  file[104] |= 0x80;
   file.insert(file.end(), vlr.begin(), vlr.end());
   return file;
 }
@@ -104,15 +88,9 @@ Bytes with_chunks(Bytes file, const std::vector<Bytes>& chunks, const std::vecto
 
 Bytes records_of(const Bytes& bytes) {
   const MemoryFile memory("hydrotin_codec.laz", bytes);
-  const LasFile file(memory.path());
-  Bytes all;
-  std::vector<std::byte> chunk;
-  for (std::size_t i = 0; i < file.num_chunks(); ++i) {
-    file.decode_records(i, chunk);
-    const auto* begin = reinterpret_cast<const std::uint8_t*>(chunk.data());
-    all.insert(all.end(), begin, begin + chunk.size());
-  }
-  return all;
+  const auto all = testing::all_records(LasFile(memory.path()));
+  const auto* const begin = reinterpret_cast<const std::uint8_t*>(all.data());
+  return {begin, begin + all.size()};
 }
 
 // Wave packets with every way in which the offset may go on.
@@ -348,6 +326,21 @@ TEST(LazCodec, ManyPointsFromFewBytes) {
   EXPECT_LT(stream.size(), 4000U);
   const Bytes file = with_chunks(laz_head(0, kPoints, 2, 0x7FFFFFFFU, {{6, 20, 2}}), {stream}, {});
   EXPECT_EQ(records_of(file), Bytes(std::size_t{kPoints} * 20, 0));
+}
+
+// The same for records as long as they can be: 50,000 of them are claimed, 3 GB, but their stream ends soon.
+TEST(LazCodec, LongRecordsTakeMemoryAsTheyAreDecoded) {
+  constexpr std::uint16_t kLength = 65535;
+  Bytes stream(kLength, 0);
+  append(stream, Bytes(100, 7));
+  const Bytes file = with_chunks(laz_head(0, 50'000, 2, 50'000, {{6, 20, 2}, {0, kLength - 20, 2}}), {stream}, {});
+  const MemoryFile memory("hydrotin_long.laz", file);
+  const LasFile las(memory.path());
+  std::vector<std::byte> records;
+  EXPECT_THROW(las.decode_records(0, records), Error);
+  EXPECT_LT(records.capacity(), std::size_t{64} << 20U);
+  PointBatch batch;
+  EXPECT_THROW(las.decode(0, batch), Error);
 }
 
 }  // namespace

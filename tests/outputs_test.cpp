@@ -9,6 +9,7 @@
 #include <numeric>
 #include <random>
 
+#include "expected_error.h"
 #include "hydrotin/crs.h"
 #include "hydrotin/error.h"
 #include "hydrotin/finished_file.h"
@@ -20,6 +21,7 @@
 namespace hydrotin {
 namespace {
 
+using testing::error_of;
 using testing::read_text;
 using testing::TemporaryFolder;
 using testing::write_text;
@@ -32,18 +34,6 @@ using Dataset = std::unique_ptr<void, Close>;
 Dataset open(const std::filesystem::path& path, unsigned flags) {
   GDALAllRegister();
   return Dataset(GDALOpenEx(path.c_str(), flags | GDAL_OF_VERBOSE_ERROR, nullptr, nullptr, nullptr));
-}
-
-template <class Function>
-std::string error_of(Function&& function, ErrorKind kind) {
-  try {
-    function();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), kind) << error.what();
-    return error.what();
-  }
-  ADD_FAILURE() << "no error";
-  return {};
 }
 
 /// A slope with noise, some cells without height.

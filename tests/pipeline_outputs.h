@@ -20,7 +20,7 @@
 #include <utility>
 #include <vector>
 
-#include "hydrotin/error.h"
+#include "expected_error.h"
 #include "hydrotin/mesh.h"
 #include "hydrotin/pipeline.h"
 #include "hydrotin/raster.h"
@@ -31,28 +31,6 @@
 /// Units  thousandths of the unit of the CRS wherever coordinates are integers.
 
 namespace hydrotin::testing {
-
-inline DatasetSummary run(const PipelineOptions& options) {
-  Silent silent;
-  return run_pipeline(options, {}, silent);
-}
-
-template <class Function>
-std::string error_of(Function&& function, ErrorKind kind) {
-  try {
-    function();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), kind) << error.what();
-    return error.what();
-  }
-  ADD_FAILURE() << "no error";
-  return {};
-}
-
-inline std::string bytes_of(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 /// Files of a folder with this extension, by name.
 inline std::vector<std::string> files_in(const std::string& folder, const std::string& extension) {

@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <set>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -45,23 +46,38 @@ class Silent : public Progress {
   void note(std::string_view) override {}
 };
 
-inline void write_cloud(const std::string& path, const std::vector<LatticePoint>& position,
-                        const std::vector<std::int32_t>& height) {
+inline DatasetSummary run(const PipelineOptions& options) {
+  Silent silent;
+  return run_pipeline(options, {}, silent);
+}
+
+inline std::string bytes_of(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+inline LasWriterOptions cloud_header() {
   LasWriterOptions options;
   options.point_format = 1;
   options.offset = {500000, 4000000, 0};
   options.crs = "EPSG:32633";
+  return options;
+}
+
+inline void write_cloud(const std::string& path, const std::vector<LatticePoint>& position,
+                        const std::vector<std::int32_t>& height, const LasWriterOptions& options = cloud_header(),
+                        std::vector<std::uint8_t> classification = {}) {
   std::vector<std::int32_t> x, y;
   for (const LatticePoint p : position) {
     x.push_back(p.x);
     y.push_back(p.y);
   }
-  const std::vector<std::uint8_t> ground(position.size(), 2);
+  classification.resize(position.size(), 2);
   LasPoints points;
   points.x = x;
   points.y = y;
   points.z = height;
-  points.classification = ground;
+  points.classification = classification;
   LasWriter writer(path, options);
   writer.write(points);
   writer.close();
@@ -69,7 +85,8 @@ inline void write_cloud(const std::string& path, const std::vector<LatticePoint>
 
 /// Splits a cloud into files whose boxes overlap, so that no file is a tile.
 inline std::vector<std::string> write_files(const TemporaryFolder& folder, const std::vector<LatticePoint>& position,
-                                            const std::vector<std::int32_t>& height, std::size_t num_files) {
+                                            const std::vector<std::int32_t>& height, std::size_t num_files,
+                                            const std::string& stem = "cloud_") {
   std::vector<std::string> paths;
   for (std::size_t f = 0; f < num_files; ++f) {
     std::vector<LatticePoint> p;
@@ -78,7 +95,7 @@ inline std::vector<std::string> write_files(const TemporaryFolder& folder, const
       p.push_back(position[i]);
       z.push_back(height[i]);
     }
-    paths.push_back(folder / ("cloud_" + std::to_string(f) + ".las"));
+    paths.push_back(folder / (stem + std::to_string(f) + ".las"));
     write_cloud(paths.back(), p, z);
   }
   return paths;

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <mutex>
 
 #include "hydrotin/error.h"
 #include "las_bytes.h"
@@ -161,14 +162,34 @@ LasCrs from_wkt(const std::string& wkt) {
   return crs;
 }
 
-}  // namespace
-
-LasCrs las_crs(const LasCrsRecords& records, bool wkt_first) {
+LasCrs read_crs(const LasCrsRecords& records, bool wkt_first) {
   LasCrs first = wkt_first ? from_wkt(records.wkt) : from_keys(records);
   if (!first.wkt.empty()) return first;
   LasCrs second = wkt_first ? from_keys(records) : from_wkt(records.wkt);
   if (second.problem.empty() && second.wkt.empty()) second.problem = first.problem;
   return second;
+}
+
+}  // namespace
+
+// To find the one EPSG entry that is the same system takes tens of milliseconds, and the files of a survey mostly say
+// the same: the last answer is kept.
+LasCrs las_crs(const LasCrsRecords& records, bool wkt_first) {
+  struct Answer {
+    LasCrsRecords records;
+    bool wkt_first = false;
+    LasCrs crs;
+  };
+  static std::mutex mutex;
+  static Answer last;
+  {
+    const std::lock_guard lock(mutex);
+    if (last.wkt_first == wkt_first && last.records == records) return last.crs;
+  }
+  const LasCrs crs = read_crs(records, wkt_first);
+  const std::lock_guard lock(mutex);
+  last = {records, wkt_first, crs};
+  return crs;
 }
 
 std::string wkt_for_las14(const LasCrs& crs) {

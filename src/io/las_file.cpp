@@ -17,7 +17,8 @@ namespace hydrotin {
 namespace {
 
 constexpr std::uint64_t kPlainChunk = 65536;    // points
-constexpr std::uint64_t kGrowth = 65536;        // points for which memory is taken before they are decoded
+constexpr std::uint64_t kGrowth = 65536;        // points for which memory is taken before they are decoded,
+constexpr std::size_t kGrowthBytes = 4 << 20;   // or fewer, where the records are long
 constexpr std::size_t kBlockBytes = 16 * 1024;  // records on their way into a batch
 
 // Objects that are costly to make, borrowed by one thread at a time.
@@ -54,6 +55,7 @@ class BatchSink {
     buffer_.resize(block() * record_length_);
   }
   [[nodiscard]] std::size_t block() const { return std::max<std::size_t>(1, kBlockBytes / record_length_); }
+  [[nodiscard]] std::uint64_t growth() const { return kGrowth; }
   void expect(std::uint64_t points) { resize(batch_, static_cast<std::size_t>(points), fields_); }
   std::uint8_t* room(std::size_t /*first*/) { return buffer_.data(); }
   void done(std::size_t first, std::size_t count) {
@@ -74,7 +76,10 @@ class RecordSink {
  public:
   RecordSink(std::vector<std::byte>& records, const LasHeader& header)
       : records_(records), record_length_(header.record_length) {}
-  [[nodiscard]] std::size_t block() const { return 4096; }
+  [[nodiscard]] std::size_t block() const { return std::min<std::size_t>(4096, growth()); }
+  [[nodiscard]] std::uint64_t growth() const {
+    return std::clamp<std::uint64_t>(kGrowthBytes / record_length_, 1, kGrowth);
+  }
   void expect(std::uint64_t points) { records_.resize(static_cast<std::size_t>(points) * record_length_); }
   std::uint8_t* room(std::size_t first) {
     return reinterpret_cast<std::uint8_t*>(records_.data()) + first * record_length_;
@@ -95,7 +100,7 @@ bool pour(std::uint64_t count, Sink& sink, Read read) {
   sink.expect(0);
   while (first < count) {
     if (first == room) {
-      room = std::min(count, room + std::max(kGrowth, room / 2));
+      room = std::min(count, room + std::max(sink.growth(), room / 2));
       sink.expect(room);
     }
     const auto block = static_cast<std::size_t>(std::min<std::uint64_t>(sink.block(), room - first));

@@ -10,7 +10,7 @@
 /// the name "EPSG:n" (an authority code in the file, or the one EPSG entry that is the same system). A vertical system
 /// is kept in the WKT; the name is that of the horizontal part.
 ///
-/// Threads  Functions are pure.
+/// Threads  Functions may be called concurrently.
 
 namespace hydrotin {
 
@@ -20,6 +20,8 @@ struct LasCrsRecords {
   std::vector<std::uint16_t> directory;  ///< GeoTIFF key directory (34735)
   std::vector<double> doubles;           ///< GeoTIFF double parameters (34736)
   std::string ascii;                     ///< GeoTIFF text parameters (34737)
+
+  friend bool operator==(const LasCrsRecords&, const LasCrsRecords&) = default;
 };
 
 struct LasCrs {

@@ -392,9 +392,49 @@ TEST(App, Triangulate_KeepsItsOrderAndBounds) {
 TEST(App, Triangulate_RefusesWhatItCannotDo) {
   const TemporaryFolder folder;
   write_text(folder / "p.csv", "x,y,z\n0,0,1\n1,0,1\n0,1,1\n");
-  for (const char* arguments : {"--order 7", "--order -1", "--objective best", "--order two"})
+  for (const char* arguments : {"--order 21", "--order -1", "--objective best", "--order two"})
     EXPECT_EQ(call(folder, "triangulate p.csv " + std::string(arguments)).code, 2) << arguments;
   EXPECT_EQ(call(folder, "triangulate p.csv").code, 0);
+}
+
+TEST(App, Triangulate_PolygonsAndReferencesAreChecked) {
+  const TemporaryFolder folder;
+  write_text(folder / "p.csv", "x,y,z\n0,0,5\n10,0,4\n10,10,3\n0,10,1\n5,4,2\n");
+  write_text(folder / "comb.csv", "x,y,z\n6,5,0\n19,5,0\n16,15,0\n14,14,0\n16,18,0\n14,17,0\n3,14,0\n");
+  write_text(folder / "bow.csv", "x,y,z\n0,0,0\n4,4,0\n4,0,0\n0,4,0\n");
+  write_text(folder / "e.csv", "a,b\n0,4\n");
+  write_text(folder / "bad.csv", "a,b\n0,9\n");
+  write_text(folder / "r.csv", "x,y,z\n5.5,2,3.25\n90,90,1\n0,0,7\n");
+  const auto code = [&](const std::string& arguments) { return call(folder, "triangulate " + arguments).code; };
+  const auto says = [&](const std::string& arguments, const std::string& what) {
+    const Outcome outcome = call(folder, "triangulate " + arguments);
+    EXPECT_NE(outcome.code, 0) << arguments;
+    EXPECT_NE(outcome.err.find(what), std::string::npos) << outcome.err;
+  };
+  for (const char* arguments :
+       {"p.csv --edges e.csv", "p.csv --boundary 4", "p.csv --objective min-max-error", "p.csv --max-error 1",
+        "p.csv --objective min-weight,min-weight", "p.csv --objective delaunay,min-weight", "p.csv --method best",
+        "p.csv --method hull --objective min-weight", "p.csv --reference r.csv --max-error -1",
+        "p.csv --polygon --boundary 9", "p.csv --polygon --order -1"})
+    EXPECT_EQ(code(arguments), 2) << arguments;
+  EXPECT_EQ(code("bow.csv --polygon"), 3);
+  EXPECT_EQ(code("p.csv --polygon --boundary 4 --edges bad.csv"), 3);
+  EXPECT_EQ(code("p.csv --polygon --boundary 4 --edges e.csv"), 0);
+  says("comb.csv --polygon --order 0", "the smallest order that has one is 1");
+  says("bow.csv --polygon", "bow.csv: the edges (");
+  says("p.csv --polygon --boundary 4 --edges bad.csv", "bad.csv:2:");
+  const auto printed = nlohmann::json::parse(
+      call(folder, "triangulate p.csv --order 2 --objective min-max-error,min-weight --reference r.csv --json").out);
+  EXPECT_EQ(printed["objective"], "min-max-error,min-weight");
+  EXPECT_EQ(printed["values"].size(), 2U);
+  EXPECT_EQ(printed["reference"]["points"], 3);
+  EXPECT_EQ(printed["reference"]["outside"], 1);
+  EXPECT_EQ(printed["reference"]["at_vertices"], 1);
+  EXPECT_EQ(printed["reference"]["max_error"], 2.0) << "the point at the corner is two above it";
+  const auto polygon = nlohmann::json::parse(
+      call(folder, "triangulate p.csv --polygon --boundary 4 --order 3 --objective max-min-angle --json").out);
+  EXPECT_EQ(polygon["triangles"].size(), 4U);
+  EXPECT_EQ(polygon["local_minima"], 1);
 }
 
 TEST(App, Orders_AreThoseOfTheDefinition) {

@@ -9,6 +9,7 @@
 
 #include "clouds.h"
 #include "hydrotin/evaluate.h"
+#include "hydrotin/hull_heuristic.h"
 #include "hydrotin/point_set.h"
 #include "oracle/measures.h"
 
@@ -291,6 +292,34 @@ TEST(Objectives, SameForEveryOrderOfPoints) {
       testing::shuffle(seed, terrain.p);
       EXPECT_TRUE(coordinates() == expected) << key << " seed " << seed;
     }
+}
+
+// De Kok et al.'s heuristics stay between the Delaunay triangulation and the best.
+TEST(Objectives, HeuristicsKeepTheOrderAndNeverAddMinima) {
+  int fewer = 0;
+  for (std::uint64_t seed = 1000; seed < 1040; ++seed)
+    for (const Terrain& terrain : small_terrains(seed, 9 + seed % 20))
+      for (const int k : {1, 2, 4}) {
+        SCOPED_TRACE(::testing::Message() << "seed " << seed << " n " << terrain.p.size() << " k " << k);
+        const auto best = solve(terrain, k, {});
+        const auto delaunay = solve(terrain, 0, {});
+        const auto hull = hull_heuristic(terrain.p, terrain.z, k);
+        const auto flip = solve(terrain, k, {.method = ComponentMethod::flips});
+        EXPECT_EQ(hull.triangles.size(), best.triangles.size());
+        EXPECT_EQ(hull.bound, best.bound);
+        if (best.triangles.empty()) continue;
+        for (const auto* result : {&hull, &flip}) {
+          const Triangles triangles = as_set(result->triangles);
+          const auto measured = oracle::measures(terrain, triangles, kZPerXy);
+          EXPECT_EQ(result->value(), measured.at("local-minima"));
+          EXPECT_LE(result->value(), delaunay.value());
+          EXPECT_GE(result->value(), result->bound);
+          EXPECT_LE(measured.at("min-max-order"), k);
+          EXPECT_EQ(result->max_order, measured.at("min-max-order"));
+        }
+        fewer += hull.value() < delaunay.value();
+      }
+  EXPECT_GE(fewer, 100);
 }
 
 TEST(Objectives, ImpossibleListsAreNamed) {

@@ -48,6 +48,7 @@ int run_command_line(int argc, char** argv) {
     add_info_command(program, action);
     add_synth_command(program, action);
     add_triangulate_command(program, action);
+    add_orders_command(program, action);
     add_fill_command(program, action);
     try {
       program.parse(argc, argv);

@@ -1,7 +1,10 @@
 #include "order_tables.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
+#include "hydrotin/error.h"
 #include "hydrotin/order_k_triangles.h"
 #include "hydrotin/subdivision.h"
 #include "hydrotin/triangulation.h"
@@ -37,6 +40,11 @@ void each_edge(const TriangulationView& view, Visit&& visit) {
 }
 
 }  // namespace
+
+void require_order(int order) {
+  if (order < 0 || order > kMaxOrder)
+    throw Error(ErrorKind::config, fmt::format("--order: {} is not possible (allowed: 0 to {})", order, kMaxOrder));
+}
 
 OrderTables order_tables(const SmallPoints& points, int k) {
   OrderTables tables;

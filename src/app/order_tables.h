@@ -22,4 +22,7 @@ struct OrderTables {
 /// Complexity: expected O(n k^2).
 [[nodiscard]] OrderTables order_tables(const SmallPoints& points, int k);
 
+/// Fails: Error(config) for an order that the one-shot commands do not know.
+void require_order(int order);
+
 }  // namespace hydrotin::app

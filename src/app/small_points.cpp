@@ -55,9 +55,24 @@ struct RawPoints {
   std::vector<std::uint32_t> row;
 };
 
-RawPoints read_csv(const std::string& path, SmallPoints& points) {
-  const CsvPoints csv = read_csv_points(path);
-  points.num_rows = csv.x.size();
+/// Takes the values of both files into one array: one lattice serves them.
+CsvPoints read_csv_files(const std::string& path, const std::string& reference, std::size_t& num_points) {
+  CsvPoints csv = read_csv_points(path);
+  num_points = csv.x.size();
+  if (reference.empty()) return csv;
+  const CsvPoints more = read_csv_points(reference);
+  csv.x.insert(csv.x.end(), more.x.begin(), more.x.end());
+  csv.y.insert(csv.y.end(), more.y.begin(), more.y.end());
+  csv.z.insert(csv.z.end(), more.z.begin(), more.z.end());
+  csv.decimals_xy = std::max(csv.decimals_xy, more.decimals_xy);
+  csv.decimals_z = std::max(csv.decimals_z, more.decimals_z);
+  return csv;
+}
+
+RawPoints read_csv(const std::string& path, const std::string& reference, SmallPoints& points) {
+  std::size_t num_points = 0;
+  const CsvPoints csv = read_csv_files(path, reference, num_points);
+  points.num_rows = num_points;
   RawPoints raw;
   if (csv.x.empty()) return raw;
   if (csv.x.size() > kMaxPoints)
@@ -81,30 +96,32 @@ RawPoints read_csv(const std::string& path, SmallPoints& points) {
                     .base_y = base[1],
                     .base_z = base[2]};
   for (std::size_t i = 0; i < csv.x.size(); ++i) {
-    raw.position.push_back(
-        {static_cast<std::int32_t>(steps[0][i] - base[0]), static_cast<std::int32_t>(steps[1][i] - base[1])});
-    raw.height.push_back(static_cast<std::int32_t>(steps[2][i] - base[2]));
+    const LatticePoint position{static_cast<std::int32_t>(steps[0][i] - base[0]),
+                                static_cast<std::int32_t>(steps[1][i] - base[1])};
+    const auto height = static_cast<std::int32_t>(steps[2][i] - base[2]);
+    if (i >= num_points) {
+      points.reference_position.push_back(position);
+      points.reference_height.push_back(height);
+      continue;
+    }
+    raw.position.push_back(position);
+    raw.height.push_back(height);
     raw.row.push_back(static_cast<std::uint32_t>(i));
   }
   return raw;
 }
 
-RawPoints read_las(const std::string& path, SmallPoints& points) {
-  const LasFile file(path);
-  const LasHeader& header = file.header();
+void require_small(const std::string& path, const LasHeader& header) {
   if (header.scale[0] != header.scale[1])
     throw Error(ErrorKind::input,
                 fmt::format("{}: x and y have different scales, {} and {} (rewrite the file with one scale)", path,
                             header.scale[0], header.scale[1]));
   if (header.point_count > kMaxPoints)
     throw Error(ErrorKind::input, path + ": more than " + std::to_string(kMaxPoints) + " points (use hydrotin run)");
-  points.num_rows = header.point_count;
-  points.crs_wkt = header.crs_wkt;
-  points.lattice = {.scale_xy = header.scale[0],
-                    .scale_z = header.scale[2],
-                    .offset_x = header.offset[0],
-                    .offset_y = header.offset[1],
-                    .offset_z = header.offset[2]};
+}
+
+/// All points that are not withheld.
+RawPoints decode_las(const LasFile& file) {
   RawPoints raw;
   PointBatch batch;
   for (std::size_t chunk = 0; chunk < file.num_chunks(); ++chunk) {
@@ -117,8 +134,35 @@ RawPoints read_las(const std::string& path, SmallPoints& points) {
       raw.row.push_back(first + static_cast<std::uint32_t>(i));
     }
   }
+  return raw;
+}
+
+void read_las_reference(const std::string& path, const LasHeader& header, SmallPoints& points) {
+  const LasFile file(path);
+  require_small(path, file.header());
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (file.header().scale[axis] != header.scale[axis] || file.header().offset[axis] != header.offset[axis])
+      throw Error(ErrorKind::input, path + ": its scale and offset are not those of the points (rewrite it with them)");
+  RawPoints raw = decode_las(file);
+  points.reference_position = std::move(raw.position);
+  points.reference_height = std::move(raw.height);
+}
+
+RawPoints read_las(const std::string& path, const std::string& reference, SmallPoints& points) {
+  const LasFile file(path);
+  const LasHeader& header = file.header();
+  require_small(path, header);
+  points.num_rows = header.point_count;
+  points.crs_wkt = header.crs_wkt;
+  points.lattice = {.scale_xy = header.scale[0],
+                    .scale_z = header.scale[2],
+                    .offset_x = header.offset[0],
+                    .offset_y = header.offset[1],
+                    .offset_z = header.offset[2]};
+  RawPoints raw = decode_las(file);
   if (raw.row.size() < points.num_rows)
     points.notes.push_back(fmt::format("{} points are withheld and left out", points.num_rows - raw.row.size()));
+  if (!reference.empty()) read_las_reference(reference, header, points);
   return raw;
 }
 
@@ -153,9 +197,22 @@ bool is_las(const std::string& path) {
 
 }  // namespace
 
-SmallPoints load_small_points(const std::string& path) {
+SmallPoints load_small_points(const std::string& path, const std::string& reference) {
   SmallPoints points;
-  keep_distinct(is_las(path) ? read_las(path, points) : read_csv(path, points), points);
+  const bool las = is_las(path);
+  if (!reference.empty() && is_las(reference) != las)
+    throw Error(ErrorKind::input,
+                reference + ": points and reference points must both be CSV, or both LAS or LAZ (convert one of them)");
+  keep_distinct(las ? read_las(path, reference, points) : read_csv(path, reference, points), points);
+  return points;
+}
+
+SmallPoints load_and_note(const std::string& path, const std::string& reference) {
+  SmallPoints points = load_small_points(path, reference);
+  for (const auto& note : points.notes) fmt::print(stderr, "{}: {}\n", path, note);
+  if (!points.duplicates.empty())
+    fmt::print(stderr, "{}: {} points lie where a lower or earlier one lies, and are dropped\n", path,
+               points.duplicates.size());
   return points;
 }
 

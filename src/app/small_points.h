@@ -18,11 +18,17 @@ struct SmallPoints {
   std::vector<std::int32_t> height;                                 ///< [n]
   std::vector<std::uint32_t> row;                                   ///< [n] 0-based input row
   std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;  ///< (dropped row, kept row): the lowest is kept
+  std::vector<LatticePoint> reference_position;                     ///< [r] points that are no vertices
+  std::vector<std::int32_t> reference_height;                       ///< [r]
   std::vector<std::string> notes;                                   ///< what was done to the coordinates, for people
 };
 
 /// LAS and LAZ are told from CSV by content; Withheld points are left out. A CSV's lattice is as fine as its decimals
 /// ask, or as 32 bits allow (then a note says so). Fails: Error(input).
-[[nodiscard]] SmallPoints load_small_points(const std::string& path);
+/// @param reference  a second file of the same kind, for the same lattice; empty = none
+[[nodiscard]] SmallPoints load_small_points(const std::string& path, const std::string& reference = {});
+
+/// The same, and says on stderr what was done to the points.
+[[nodiscard]] SmallPoints load_and_note(const std::string& path, const std::string& reference = {});
 
 }  // namespace hydrotin::app

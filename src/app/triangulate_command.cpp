@@ -2,16 +2,22 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "commands.h"
+#include "edge_list.h"
 #include "hydrotin/error.h"
+#include "hydrotin/hull_heuristic.h"
 #include "hydrotin/mesh.h"
 #include "hydrotin/point_set.h"
+#include "hydrotin/simple_polygon.h"
+#include "objective_names.h"
 #include "order_tables.h"
 #include "small_points.h"
 
@@ -20,165 +26,235 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kMaxCommandOrder = 6;
+struct TriangulateArguments {
+  std::string points, objective = "local-minima", method = "optimal", reference, edges, out;
+  std::optional<double> max_error;
+  int order = 2;
+  std::uint32_t boundary = 0, max_triangles = PolygonOptions{}.max_triangles, max_ways = PolygonOptions{}.max_ways,
+                max_columns = PolygonOptions{}.max_program;
+  bool polygon = false, json = false;
+};
 
-Objective objective_or_complain(const std::string& text) {
-  if (const auto objective = objective_named(text)) return *objective;
-  throw Error(ErrorKind::config,
-              fmt::format("--objective: '{}' is not possible (allowed: {})", text, fmt::join(kObjectiveNames, ", ")));
+[[noreturn]] void refuse(const std::string& text) {
+  throw Error(ErrorKind::config, text);
 }
 
-void require_order(int order) {
-  if (order < 0 || order > kMaxCommandOrder)
-    throw Error(ErrorKind::config,
-                fmt::format("--order: {} is not possible (allowed: 0 to {})", order, kMaxCommandOrder));
+ErrorLimit error_limit(double metres, const Lattice& lattice) {
+  const double millionths = std::round(metres / lattice.scale_z * 1e6);
+  if (!(metres >= 0) || millionths >= 2e15)
+    refuse(fmt::format("--max-error: {} is not possible (allowed: from 0 to 2^31 units of height)", metres));
+  return {static_cast<std::int64_t>(millionths)};
 }
 
-SmallPoints load(const std::string& path) {
-  SmallPoints points = load_small_points(path);
-  for (const auto& note : points.notes) fmt::print(stderr, "{}: {}\n", path, note);
+PolygonOptions polygon_options(const TriangulateArguments& arguments, const Lattice& lattice) {
+  PolygonOptions options;
+  options.objectives = objectives_or_complain("--objective", arguments.objective);
+  if (arguments.max_error) options.max_error = error_limit(*arguments.max_error, lattice);
+  options.z_per_xy = lattice.scale_z / lattice.scale_xy;
+  options.max_triangles = arguments.max_triangles;
+  options.max_ways = arguments.max_ways;
+  options.max_program = arguments.max_columns;
+  if (arguments.method == "ties") options.method = ComponentMethod::ties;
+  if (arguments.method == "lp") options.method = ComponentMethod::linear_program;
+  if (arguments.method == "flip") options.method = ComponentMethod::flips;
+  return options;
+}
+
+void check_arguments(const TriangulateArguments& a) {
+  if (!a.polygon) require_order(a.order);
+  if (a.order < 0) refuse(fmt::format("--order: {} is not possible (allowed: 0 and more)", a.order));
+  const Objectives objectives = objectives_or_complain("--objective", a.objective);
+  const bool needs = std::any_of(objectives.begin(), objectives.end(), needs_reference);
+  if ((needs || a.max_error) && a.reference.empty())
+    refuse("--reference: vertical errors are measured against reference points (give a file of points)");
+  if (!a.polygon && !a.edges.empty()) refuse("--edges: edges inside belong to a polygon (add --polygon)");
+  if (!a.polygon && a.boundary > 0) refuse("--boundary: only a polygon has a boundary (add --polygon)");
+  if (a.method == "hull" && (a.polygon || objectives != Objectives{Objective::local_minima} || a.max_error))
+    refuse("--method: the hull heuristic reduces local minima of point sets only (--objective local-minima)");
+}
+
+/// The polygon by input rows: its rows are its order, so nothing may be dropped.
+struct RowPoints {
+  std::vector<LatticePoint> position;
+  std::vector<std::int32_t> height;
+};
+
+RowPoints by_row(const std::string& path, const SmallPoints& points) {
   if (!points.duplicates.empty())
-    fmt::print(stderr, "{}: {} points lie where a lower or earlier one lies, and are dropped\n", path,
-               points.duplicates.size());
-  return points;
+    throw Error(ErrorKind::input,
+                fmt::format("{}: rows {} and {} are at one place (the points of a polygon must differ)", path,
+                            points.duplicates.front().second, points.duplicates.front().first));
+  RowPoints out{std::vector<LatticePoint>(points.position.size()), std::vector<std::int32_t>(points.position.size())};
+  for (std::size_t v = 0; v < points.position.size(); ++v) {
+    out.position[points.row[v]] = points.position[v];
+    out.height[points.row[v]] = points.height[v];
+  }
+  return out;
 }
 
-/// The largest order among the triangles, all of which are order-k triangles with useful edges.
-std::uint32_t max_order(const OrderTables& tables, const std::vector<std::array<std::uint32_t, 3>>& triangles) {
-  std::uint32_t most = 0;
-  for (const auto& triangle : triangles) {
-    const auto found = std::lower_bound(tables.triangles.begin(), tables.triangles.end(), std::pair(triangle, 0U));
-    if (found == tables.triangles.end() || found->first != triangle)
-      throw std::logic_error("a triangle that is none of order k");
-    most = std::max(most, found->second);
+/// A result by input rows.
+PointSetTriangulation solve_polygon(const TriangulateArguments& a, const SmallPoints& points,
+                                    const PointSetOptions& options) {
+  const RowPoints rows = by_row(a.points, points);
+  const auto n = static_cast<std::uint32_t>(rows.position.size());
+  if (a.boundary > n) refuse(fmt::format("--boundary: {} is not possible ({} has {} points)", a.boundary, a.points, n));
+  std::vector<std::array<std::uint32_t, 2>> edges;
+  if (!a.edges.empty()) edges = read_edges(a.edges, n);
+  try {
+    SimplePolygonTriangulation result =
+        triangulate_polygon({rows.position, rows.height, a.boundary == 0 ? n : a.boundary, edges}, options,
+                            {points.reference_position, points.reference_height});
+    if (!result.found)
+      throw Error(ErrorKind::input,
+                  fmt::format("the polygon has no triangulation of order {}; the smallest order that has one is {} "
+                              "(--order {})",
+                              a.order, result.smallest_order, result.smallest_order));
+    return std::move(result.best);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::input) throw;
+    throw Error(ErrorKind::input, a.points + ": " + error.what());
   }
-  return most;
+}
+
+PointSetTriangulation solve_point_set(const TriangulateArguments& a, const SmallPoints& points,
+                                      const PointSetOptions& options) {
+  PointSetTriangulation result = a.method == "hull" ? hull_heuristic(points.position, points.height, options.order)
+                                                    : triangulate(points.position, points.height, options,
+                                                                  {points.reference_position, points.reference_height});
+  if (result.triangles.empty())
+    throw Error(ErrorKind::input,
+                fmt::format("{}: its {} distinct points lie on one line or are fewer than three: there is no triangle",
+                            a.points, points.position.size()));
+  for (auto& triangle : result.triangles)
+    for (auto& v : triangle) v = points.row[v];
+  return result;
 }
 
 /// Vertices in the order of the input's rows: without duplicates vertex i is row i.
 void write_tin(const std::string& path, const SmallPoints& points, const PointSetTriangulation& result) {
-  std::vector<std::uint32_t> by_row(points.row.size()), rank(points.row.size());
-  std::iota(by_row.begin(), by_row.end(), 0U);
-  std::sort(by_row.begin(), by_row.end(),
+  std::vector<std::uint32_t> order(points.row.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::sort(order.begin(), order.end(),
             [&](std::uint32_t a, std::uint32_t b) { return points.row[a] < points.row[b]; });
   std::vector<MeshVertex> vertices;
-  vertices.reserve(by_row.size());
-  for (const std::uint32_t v : by_row) {
-    rank[v] = static_cast<std::uint32_t>(vertices.size());
+  std::vector<std::uint32_t> rank(points.num_rows);
+  for (const std::uint32_t v : order) {
+    rank[points.row[v]] = static_cast<std::uint32_t>(vertices.size());
     vertices.push_back({points.lattice.x(points.position[v].x), points.lattice.y(points.position[v].y),
                         points.lattice.z(points.height[v])});
   }
   std::vector<MeshTriangle> triangles;
-  triangles.reserve(result.triangles.size());
   for (const auto& [a, b, c] : result.triangles) triangles.push_back({rank[a], rank[b], rank[c]});
   write_ply(path, vertices, triangles, points.crs_wkt);
 }
 
-struct TriangulateArguments {
-  std::string points, objective = "local-minima", out;
-  int order = 2;
-  bool json = false;
-};
-
-int triangulate_points(const TriangulateArguments& arguments) {
-  const Objective objective = objective_or_complain(arguments.objective);
-  require_order(arguments.order);
-  const SmallPoints points = load(arguments.points);
-  const PointSetTriangulation result = triangulate(points.position, points.height, arguments.order, objective);
-  if (result.triangles.empty())
-    throw Error(ErrorKind::input,
-                fmt::format("{}: its {} distinct points lie on one line or are fewer than three: there is no triangle",
-                            arguments.points, points.position.size()));
+std::uint32_t minima_of(const SmallPoints& points, const PointSetTriangulation& result) {
+  std::vector<std::uint32_t> vertex(points.num_rows);
+  for (std::uint32_t v = 0; v < points.row.size(); ++v) vertex[points.row[v]] = v;
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  for (const auto& triangle : result.triangles) {
-    triangles.push_back({points.row[triangle[0]], points.row[triangle[1]], points.row[triangle[2]]});
-    std::sort(triangles.back().begin(), triangles.back().end());
-  }
-  std::sort(triangles.begin(), triangles.end());
-  const std::uint32_t most = max_order(order_tables(points, arguments.order), triangles);
-  const std::uint32_t minima = count_minima(points.position, points.height, result.triangles);
-  const double unit = objective == Objective::min_weight ? points.lattice.scale_xy : 1;
-  const double polygons = std::max(1U, result.polygons);
-  const Json polygon_figures = {{"count", result.polygons},
-                                {"mean_size", static_cast<double>(triangles.size()) / polygons},
-                                {"max_size", result.max_polygon},
-                                {"mean_components", result.components / polygons},
-                                {"max_components", result.max_components}};
-  if (!arguments.out.empty()) write_tin(arguments.out, points, result);
-  if (arguments.json) {
-    const Json json = {{"points", points.num_rows},        {"order", arguments.order},
-                       {"objective", arguments.objective}, {"value", unit * result.value()},
-                       {"optimal", result.optimal},        {"bound", unit * result.bound},
-                       {"triangles", triangles},           {"max_triangle_order", most},
-                       {"polygons", polygon_figures},      {"local_minima", minima}};
-    fmt::print("{}\n", json.dump());
-    return 0;
-  }
-  fmt::print("points              {}\nduplicates          {}\ntriangles           {}\norder               {}\n",
-             points.num_rows, points.duplicates.size(), triangles.size(), arguments.order);
-  fmt::print("objective           {}\nvalue               {}\nbound               {}\noptimal             {}\n",
-             arguments.objective, unit * result.value(), unit * result.bound, result.optimal);
-  fmt::print("max triangle order  {}\nlocal minima        {}\n", most, minima);
-  for (const auto& [key, value] : polygon_figures.items()) fmt::print("polygons {:<15}  {}\n", key, value.dump());
-  return 0;
+  for (const auto& [a, b, c] : result.triangles) triangles.push_back({vertex[a], vertex[b], vertex[c]});
+  return count_minima(points.position, points.height, triangles);
 }
 
-struct OrdersArguments {
-  std::string points;
-  int order = 2;
-  bool json = false;
-};
+Json to_json(const TriangulateArguments& a, const SmallPoints& points, const PointSetTriangulation& result,
+             const Objectives& objectives) {
+  std::vector<std::array<std::uint32_t, 3>> triangles = result.triangles;
+  for (auto& triangle : triangles) std::sort(triangle.begin(), triangle.end());
+  std::sort(triangles.begin(), triangles.end());
+  const double unit = unit_of(objectives.front(), points.lattice), polygons = std::max(1U, result.polygons);
+  Json values = Json::array();
+  for (std::size_t i = 0; i < objectives.size(); ++i)
+    values.push_back(unit_of(objectives[i], points.lattice) * result.values[i]);
+  Json json = {{"points", points.num_rows},
+               {"order", a.order},
+               {"objective", name(objectives)},
+               {"value", unit * result.value()},
+               {"optimal", result.optimal},
+               {"bound", unit * result.bound},
+               {"triangles", triangles},
+               {"max_triangle_order", result.max_order},
+               {"polygons",
+                {{"count", result.polygons},
+                 {"mean_size", static_cast<double>(triangles.size()) / polygons},
+                 {"max_size", result.max_polygon},
+                 {"mean_components", result.components / polygons},
+                 {"max_components", result.max_components}}},
+               {"local_minima", minima_of(points, result)},
+               {"method", a.method},
+               {"values", values},
+               {"fallbacks", result.fallbacks}};
+  if (a.reference.empty()) return json;
+  json["reference"] = {
+      {"points", points.reference_position.size()},  {"outside", result.reference_outside},
+      {"at_vertices", result.reference_at_vertices}, {"max_error", points.lattice.scale_z * result.error.largest},
+      {"limit_missed", result.limit_missed},         {"vertices_beyond_limit", result.vertices_beyond_limit}};
+  return json;
+}
 
-int list_orders(const OrdersArguments& arguments) {
-  require_order(arguments.order);
-  const SmallPoints points = load(arguments.points);
-  const OrderTables tables = order_tables(points, arguments.order);
-  if (arguments.json) {
-    Json triangles = Json::array(), polygons = Json::array(), duplicates = Json::array();
-    for (const auto& [rows, order] : tables.triangles) triangles.push_back({rows[0], rows[1], rows[2], order});
-    for (const auto& [size, components] : tables.polygons)
-      polygons.push_back({{"size", size}, {"components", components}});
-    for (const auto& [dropped, kept] : points.duplicates) duplicates.push_back({dropped, kept});
-    const Json json = {
-        {"points", points.num_rows},     {"order", arguments.order},       {"delaunay_triangles", tables.delaunay},
-        {"useful_edges", tables.useful}, {"order_k_triangles", triangles}, {"fixed_edges", tables.fixed},
-        {"polygons", polygons},          {"duplicates", duplicates}};
-    fmt::print("{}\n", json.dump());
-    return 0;
+void print_table(const Json& json) {
+  const auto row = [](const std::string& key, const Json& value) {
+    fmt::print("{:<28}{}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+  };
+  for (const auto& [key, value] : json.items()) {
+    if (key == "triangles") {
+      row("triangles", value.size());
+    } else if (value.is_object()) {
+      for (const auto& [inner, figure] : value.items()) row(key + " " + inner, figure);
+    } else {
+      row(key, value);
+    }
   }
-  fmt::print("points              {}\nduplicates          {}\norder               {}\n", points.num_rows,
-             points.duplicates.size(), arguments.order);
-  fmt::print("delaunay triangles  {}\nuseful edges        {}\norder-k triangles   {}\n", tables.delaunay.size(),
-             tables.useful.size(), tables.triangles.size());
-  fmt::print("fixed edges         {}\npolygons            {}\n", tables.fixed.size(), tables.polygons.size());
+}
+
+int triangulate_points(const TriangulateArguments& a) {
+  check_arguments(a);
+  const SmallPoints points = load_and_note(a.points, a.reference);
+  const PointSetOptions options{.order = a.order, .polygon = polygon_options(a, points.lattice)};
+  const PointSetTriangulation result =
+      a.polygon ? solve_polygon(a, points, options) : solve_point_set(a, points, options);
+  if (result.limit_missed + result.vertices_beyond_limit > 0)
+    fmt::print(stderr, "{}: the limit on errors cannot be kept in {} polygons and at {} vertices\n", a.points,
+               result.limit_missed, result.vertices_beyond_limit);
+  if (!a.out.empty()) write_tin(a.out, points, result);
+  const Json json = to_json(a, points, result, options.polygon.objectives);
+  if (a.json)
+    fmt::print("{}\n", json.dump());
+  else
+    print_table(json);
   return 0;
 }
 
 }  // namespace
 
 void add_triangulate_command(CLI::App& program, Action& action) {
-  auto arguments = std::make_shared<TriangulateArguments>();
-  CLI::App* command =
-      program.add_subcommand("triangulate", "the best order-k triangulation of a small point set, in memory");
-  command->add_option("points", arguments->points, "CSV with header x,y,z, or LAS or LAZ")
-      ->required()
+  auto a = std::make_shared<TriangulateArguments>();
+  CLI::App* command = program.add_subcommand(
+      "triangulate", "the best order-k triangulation of a small point set or polygon, in memory");
+  command->add_option("points", a->points, "CSV with header x,y,z, or LAS or LAZ")->required()->type_name("POINTS");
+  command->add_option("--order", a->order, "0 to 20; of a polygon any")->capture_default_str()->type_name("K");
+  command->add_option("--objective", a->objective, "one, or several by priority with commas: " + all_objective_names())
+      ->capture_default_str()
+      ->type_name("NAME[,NAME...]");
+  command->add_flag("--polygon", a->polygon, "the points are the vertices of a simple polygon, in order");
+  command->add_option("--boundary", a->boundary, "only the first N points are; the others lie inside")->type_name("N");
+  command->add_option("--edges", a->edges, "edges inside the polygon that must be there: CSV, two rows a line")
+      ->type_name("EDGES");
+  command->add_option("--reference", a->reference, "points against which vertical errors are measured")
       ->type_name("POINTS");
-  command->add_option("--order", arguments->order, "0 to 6")->capture_default_str()->type_name("K");
-  command->add_option("--objective", arguments->objective, "delaunay, min-weight or local-minima")
+  command->add_option("--max-error", a->max_error, "limit on vertical errors")->type_name("M");
+  command
+      ->add_option("--method", a->method,
+                   "optimal; its parts ties and lp for components; the heuristics flip and hull of de Kok et al.")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"optimal", "ties", "lp", "flip", "hull"}));
+  command->add_option("--max-polygon", a->max_triangles, "triangles of a polygon that is searched")
       ->capture_default_str();
-  command->add_option("--out", arguments->out, "write the TIN")->type_name("TIN.ply");
-  command->add_flag("--json", arguments->json, "print JSON");
-  command->callback([arguments, &action] { action = [arguments] { return triangulate_points(*arguments); }; });
-
-  auto orders = std::make_shared<OrdersArguments>();
-  CLI::App* listing =
-      program.add_subcommand("orders", "useful and fixed edges, order-k triangles and polygons of a small point set");
-  listing->add_option("points", orders->points, "CSV with header x,y,z, or LAS or LAZ")
-      ->required()
-      ->type_name("POINTS");
-  listing->add_option("--order", orders->order, "0 to 6")->capture_default_str()->type_name("K");
-  listing->add_flag("--json", orders->json, "print JSON");
-  listing->callback([orders, &action] { action = [orders] { return list_orders(*orders); }; });
+  command->add_option("--max-ways", a->max_ways, "ways to tie components before the linear program")
+      ->capture_default_str();
+  command->add_option("--max-columns", a->max_columns, "triangles in a linear program")->capture_default_str();
+  command->add_option("--out", a->out, "write the TIN")->type_name("TIN.ply");
+  command->add_flag("--json", a->json, "print JSON");
+  command->callback([a, &action] { action = [a] { return triangulate_points(*a); }; });
 }
 
 }  // namespace hydrotin::app

@@ -1,0 +1,5 @@
+# Experiments of the thesis, run by scripts/reproduce-*.sh; not tests.
+add_executable(reproduce_ch3 reproduce_ch3.cpp)
+target_link_libraries(reproduce_ch3 PRIVATE hydrotin::orderk hydrotin::io hydrotin::options CLI11::CLI11 Threads::Threads)
+add_test(NAME Reproduce.Chapter3RunsOnFewSets COMMAND reproduce_ch3 --runs 2 --workers 2
+  --figures ${CMAKE_CURRENT_BINARY_DIR}/chapter3)

@@ -1,0 +1,5 @@
+# Speed and memory of order k and of the polygons; not a test: build and run orderk_benchmark by hand.
+if(HYDROTIN_BENCHMARKS)
+  add_executable(orderk_benchmark EXCLUDE_FROM_ALL orderk_benchmark.cpp)
+  target_link_libraries(orderk_benchmark PRIVATE plain_delaunay hydrotin::optimize hydrotin::options)
+endif()

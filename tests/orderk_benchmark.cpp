@@ -1,0 +1,233 @@
+#include <linux/perf_event.h>
+#include <malloc.h>
+#include <sys/ioctl.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "clouds.h"
+#include "hydrotin/hilbert.h"
+#include "hydrotin/polygon_batch.h"
+#include "plain_delaunay.h"
+
+// Time, instructions and memory of what follows the Delaunay triangulation, stage by stage, one thread.
+
+namespace {
+
+// Bytes in use and their peak, of everything that is allocated through new.
+std::size_t bytes_in_use = 0, bytes_at_peak = 0;
+
+void* counted(std::size_t size) {
+  void* p = std::malloc(size);
+  if (!p) throw std::bad_alloc();
+  bytes_in_use += malloc_usable_size(p);
+  bytes_at_peak = std::max(bytes_at_peak, bytes_in_use);
+  return p;
+}
+
+void discount(void* p) {
+  bytes_in_use -= malloc_usable_size(p);
+  std::free(p);
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) {
+  return counted(size);
+}
+void* operator new[](std::size_t size) {
+  return counted(size);
+}
+void operator delete(void* p) noexcept {
+  discount(p);
+}
+void operator delete[](void* p) noexcept {
+  discount(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+  discount(p);
+}
+void operator delete[](void* p, std::size_t) noexcept {
+  discount(p);
+}
+
+namespace hydrotin::testing {
+namespace {
+
+// Instructions of this thread in user mode; always 0 where the machine does not tell.
+class InstructionCounter {
+ public:
+  InstructionCounter() {
+    perf_event_attr what{};
+    what.type = PERF_TYPE_HARDWARE;
+    what.size = sizeof what;
+    what.config = PERF_COUNT_HW_INSTRUCTIONS;
+    what.exclude_kernel = 1;
+    what.exclude_hv = 1;
+    file_ = static_cast<int>(syscall(SYS_perf_event_open, &what, 0, -1, -1, 0));
+  }
+  ~InstructionCounter() {
+    if (file_ >= 0) close(file_);
+  }
+  InstructionCounter(const InstructionCounter&) = delete;
+  InstructionCounter& operator=(const InstructionCounter&) = delete;
+
+  [[nodiscard]] double read() const {
+    std::uint64_t count = 0;
+    if (file_ < 0 || ::read(file_, &count, sizeof count) != sizeof count) return 0;
+    return static_cast<double>(count);
+  }
+
+ private:
+  int file_ = -1;
+};
+
+struct Cost {
+  double seconds = 0, instructions = 0;
+};
+
+// Stops stages one after the other.
+class Laps {
+ public:
+  Cost lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double count = counter_.read();
+    const Cost cost{std::chrono::duration<double>(now - time_).count(), count - count_};
+    count_ = counter_.read();
+    time_ = std::chrono::steady_clock::now();
+    return cost;
+  }
+
+ private:
+  InstructionCounter counter_;
+  std::chrono::steady_clock::time_point time_ = std::chrono::steady_clock::now();
+  double count_ = counter_.read();
+};
+
+struct Cloud {
+  std::vector<LatticePoint> position;
+  std::vector<std::int32_t> height;
+};
+
+Cloud make(CloudKind kind, std::size_t n) {
+  Cloud cloud;
+  cloud.position = distinct(make_cloud(kind, 1, n, 300));
+  std::vector<std::pair<std::uint64_t, LatticePoint>> order;
+  for (const LatticePoint p : cloud.position) order.emplace_back(hilbert_key(p), p);
+  std::sort(order.begin(), order.end());
+  for (std::size_t i = 0; i < order.size(); ++i) cloud.position[i] = order[i].second;
+  cloud.height = relief_heights(1, cloud.position, 100000, 30000, 20);
+  return cloud;
+}
+
+double plain_seconds(const Cloud& cloud) {
+  std::vector<PlainPoint> plain;
+  for (const LatticePoint p : cloud.position) plain.push_back({p.x, p.y});
+  shuffle(1, plain);
+  std::vector<double> seconds(3);
+  for (double& s : seconds) s = seconds_of_plain_delaunay(plain);
+  std::sort(seconds.begin(), seconds.end());
+  return seconds[1];
+}
+
+struct Report {
+  std::vector<std::pair<const char*, Cost>> stages;
+  double bytes = 0;
+  std::uint32_t edges = 0, triangles = 0, polygons = 0, wanting = 0;
+};
+
+Report run(const TriangulationView& tri, const VertexLinks& links, std::span<const std::int32_t> height, int k) {
+  Report report;
+  const std::size_t before = bytes_at_peak = bytes_in_use;
+  Laps laps;
+  const auto done = [&](const char* stage) { report.stages.emplace_back(stage, laps.lap()); };
+  const UsefulEdges edges = useful_edges(tri, links, k);
+  done("edges");
+  const OrderKTriangles triangles = order_k_triangles(tri, links, edges, k);
+  done("triangles");
+  const Crossings crossings = find_crossings(tri, edges);
+  done("crossings");
+  const Subdivision subdivision = subdivide(tri, crossings.crossed);
+  done("subdivide");
+  const PolygonCandidates candidates = candidates_by_polygon(subdivision, triangles);
+  done("candidates");
+  const MinimaAssignment assignment = assign_minima(tri, links, edges, crossings, height);
+  done("minima");
+  const PolygonSource source{tri, height, crossings, subdivision, triangles, candidates, &assignment};
+  PolygonExtractor extractor(source);
+  PolygonSolver solver(Objective::local_minima);
+  std::vector<std::array<std::uint32_t, 3>> answer;
+  answer.reserve(tri.num_triangles());
+  for (std::uint32_t f = 0; f < subdivision.size(); ++f) {
+    const std::size_t first = answer.size();
+    solver.solve(extractor.extract(f), answer);
+    for (std::size_t t = first; t < answer.size(); ++t)
+      for (auto& v : answer[t]) v = extractor.vertices()[v].value;
+  }
+  done("polygons");
+  report.bytes = static_cast<double>(bytes_at_peak - before);
+  report.edges = edges.size();
+  report.triangles = triangles.size();
+  report.polygons = subdivision.size();
+  return report;
+}
+
+double total(const Report& report) {
+  double sum = 0;
+  for (const auto& [stage, cost] : report.stages) sum += cost.seconds;
+  return sum;
+}
+
+void measure(CloudKind kind, std::size_t n, const std::vector<int>& orders, int repeats) {
+  const Cloud cloud = make(kind, n);
+  n = cloud.position.size();
+  const double plain = plain_seconds(cloud), per = 1e6 / static_cast<double>(n);
+  const Triangulation owner = delaunay(cloud.position);
+  const TriangulationView tri = owner.view();
+  const VertexLinks links = vertex_links(tri);
+  std::printf("%s, %zu points, B' %.3f us a vertex\n", name_of(kind), n, plain * per);
+  for (const int k : orders) {
+    std::vector<Report> reports;
+    for (int i = 0; i < repeats; ++i) reports.push_back(run(tri, links, cloud.height, k));
+    std::sort(reports.begin(), reports.end(), [](const Report& a, const Report& b) { return total(a) < total(b); });
+    const Report& r = reports[reports.size() / 2];
+    double instructions = 0;
+    for (const auto& [stage, cost] : r.stages) instructions += cost.instructions;
+    const double each = 1 / static_cast<double>(n);
+    std::printf(
+        "k %d: %.3f us a vertex, %.2f x B', %.0f instructions, %.1f bytes; edges %.3f triangles %.3f polygons %.3f\n",
+        k, total(r) * per, total(r) / plain, instructions * each, r.bytes * each, r.edges * each, r.triangles * each,
+        r.polygons * each);
+    for (const auto& [stage, cost] : r.stages)
+      std::printf("      %-12s %.3f us %6.0f instructions\n", stage, cost.seconds * per, cost.instructions * each);
+  }
+}
+
+}  // namespace
+}  // namespace hydrotin::testing
+
+int main(int argc, char** argv) {
+  using namespace hydrotin::testing;
+  double n = 1e6;
+  int repeats = 3;
+  std::vector<int> orders{1, 2, 3, 4};
+  std::vector<CloudKind> kinds{CloudKind::uniform, CloudKind::scanlines};
+  for (int i = 1; i + 1 < argc; i += 2) {
+    if (!std::strcmp(argv[i], "--points")) n = std::atof(argv[i + 1]);
+    if (!std::strcmp(argv[i], "--repeats")) repeats = std::atoi(argv[i + 1]);
+    if (!std::strcmp(argv[i], "--order")) orders = {std::atoi(argv[i + 1])};
+    if (!std::strcmp(argv[i], "--cloud"))
+      std::erase_if(kinds, [&](CloudKind c) { return std::string(argv[i + 1]) != name_of(c); });
+  }
+  for (const CloudKind kind : kinds) measure(kind, static_cast<std::size_t>(n), orders, repeats);
+  return 0;
+}

@@ -2,12 +2,17 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
 
 #include "hydrotin/useful_edges.h"
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
 
 /// Pencils of circles, in doubles relative to their first point.
 ///
@@ -50,6 +55,56 @@ struct Hit {
   double ratio;
 };
 
+/// Two numbers at once, in the way of g++ and clang: the ratios of two points cost little more than that of one.
+using Pair = double __attribute__((vector_size(16)));
+
+/// Two small vectors.
+struct VectorPair {
+  Pair x, y;
+};
+
+/// The vectors from `origin` to two points. Precondition: they are small.
+inline VectorPair vectors_between(LatticePoint origin, LatticePoint p, LatticePoint q) {
+#ifdef __SSE2__
+  const auto load = [](LatticePoint at) { return _mm_cvtsi64_si128(std::bit_cast<long long>(at)); };
+  const __m128i from = load(origin);
+  const __m128i both = _mm_sub_epi32(_mm_unpacklo_epi32(load(p), load(q)), _mm_unpacklo_epi32(from, from));
+  return {_mm_cvtepi32_pd(both), _mm_cvtepi32_pd(_mm_unpackhi_epi64(both, both))};
+#else
+  return {Pair{static_cast<double>(p.x - origin.x), static_cast<double>(q.x - origin.x)},
+          Pair{static_cast<double>(p.y - origin.y), static_cast<double>(q.y - origin.y)}};
+#endif
+}
+
+/// The cross products with `s` and the ratios in its pencil, of two points.
+struct RatioPair {
+  Pair cross, ratio;
+};
+
+inline RatioPair ratios(const VectorPair& p, Vector s) {
+  const Pair cross = p.x * s.y - p.y * s.x;
+  return {cross, (p.x * (p.x - s.x) + p.y * (p.y - s.y)) / cross};
+}
+
+/// Bit i: the i-th number is above 0.
+inline unsigned positive(Pair d) {
+#ifdef __SSE2__
+  return static_cast<unsigned>(_mm_movemask_pd(_mm_cmpgt_pd(d, _mm_setzero_pd())));
+#else
+  return (d[0] > 0 ? 1U : 0U) | (d[1] > 0 ? 2U : 0U);
+#endif
+}
+
+/// Bit i: the i-th number of d is below 0, and that of r is at least `least`.
+inline unsigned negative_and_least(Pair d, Pair r, double least) {
+#ifdef __SSE2__
+  return static_cast<unsigned>(
+      _mm_movemask_pd(_mm_and_pd(_mm_cmplt_pd(d, _mm_setzero_pd()), _mm_cmpge_pd(r, _mm_set1_pd(least)))));
+#else
+  return (d[0] < 0 && r[0] >= least ? 1U : 0U) | (d[1] < 0 && r[1] >= least ? 2U : 0U);
+#endif
+}
+
 /// Whether the order of two ratios of small vectors is certain as computed.
 inline bool is_certain(const Hit& p, const Hit& q) {
   return std::fabs(p.ratio - q.ratio) > kRatioError * (std::fabs(p.ratio) + std::fabs(q.ratio));
@@ -91,57 +146,89 @@ class HitList {
   std::uint32_t size_ = 0;
 };
 
-/// Points next to those inside, in no order; may hold a point twice.
+/// Points next to those inside a pencil's circle, in no order, each once.
 class Frontier {
  public:
-  void clear() { size_ = 0; }
+  explicit Frontier(std::uint32_t num_vertices) : stamp_(num_vertices) {}
+
+  /// Forgets all points.
+  void clear() {
+    size_ = 0;
+    if (++now_ != 0) return;
+    std::fill(stamp_.begin(), stamp_.end(), 0U);
+    now_ = 1;
+  }
+  /// Keeps a point from being added.
+  void bar(VertexId p) { stamp_[p.value] = now_; }
   void make_room(std::size_t more) {
-    if (p_.size() >= size_ + more) return;
-    p_.resize(2 * (size_ + more));
-    ratio_.resize(2 * (size_ + more));
+    if (p_.size() < size_ + more) grow(size_ + more);
   }
-  /// Adds a point if `wanted`, without a branch. Precondition: there is room, also for what is not wanted.
-  void offer(const Hit& hit, bool wanted) {
-    p_[size_] = hit.p;
-    ratio_[size_] = hit.ratio;
-    size_ += wanted;
-  }
+  /// Adds points for as long as it lives; keeps where it stands in a register.
+  class Filler {
+   public:
+    explicit Filler(Frontier& to)
+        : to_(to),
+          p_(to.p_.data()),
+          ratio_(to.ratio_.data()),
+          stamp_(to.stamp_.data()),
+          size_(to.size_),
+          now_(to.now_) {}
+    ~Filler() { to_.size_ = size_; }
+    Filler(const Filler&) = delete;
+    Filler& operator=(const Filler&) = delete;
+    /// Adds a point if `wanted` is 1, not if it is 0 or if it was offered before, without a branch. Precondition: there
+    /// is room, also for what is not wanted.
+    void offer(VertexId p, double ratio, std::uint32_t wanted) {
+      p_[size_] = p;
+      ratio_[size_] = ratio;
+      size_ += wanted & static_cast<std::uint32_t>(stamp_[p.value] != now_);
+      stamp_[p.value] = now_;
+    }
+
+   private:
+    Frontier& to_;
+    VertexId* p_;
+    double* ratio_;
+    std::uint32_t* stamp_;
+    std::uint32_t size_, now_;
+  };
   [[nodiscard]] std::uint32_t size() const { return size_; }
   [[nodiscard]] Hit operator[](std::uint32_t i) const { return {p_[i], ratio_[i]}; }
 
-  /// One of the points with the smallest ratio. Precondition: not empty.
-  [[nodiscard]] Hit least() const {
-    std::uint32_t best = 0;
-    double least = ratio_[0];
-    for (std::uint32_t i = 1; i < size_; ++i) {
-      const bool less = ratio_[i] < least;
-      best = less ? i : best;
-      least = less ? ratio_[i] : least;
+  struct Least {
+    std::uint32_t index;
+    double ratio, following;  ///< the smallest ratio and the next one
+  };
+  /// The point with the smallest ratio. Precondition: not empty.
+  [[nodiscard]] Least least() const {
+    const double* ratio = ratio_.data();
+    const std::uint32_t size = size_;
+    Least out{0, ratio[0], std::numeric_limits<double>::infinity()};
+    for (std::uint32_t i = 1; i < size; ++i) {
+      const double r = ratio[i];
+      out.index = r < out.ratio ? i : out.index;
+      const double more = r > out.ratio ? r : out.ratio;
+      out.following = more < out.following ? more : out.following;
+      out.ratio = r < out.ratio ? r : out.ratio;
     }
-    return {p_[best], least};
+    return out;
   }
-  /// Entries of other points whose ratio is at most the given one.
-  [[nodiscard]] std::uint32_t count_others(VertexId p, double most) const {
-    std::uint32_t count = 0;
-    for (std::uint32_t i = 0; i < size_; ++i) count += (p_[i] != p) & (ratio_[i] <= most);
-    return count;
-  }
-  /// Removes a point as often as it is there.
-  void remove(VertexId p) {
-    std::uint32_t kept = 0;
-    for (std::uint32_t i = 0; i < size_; ++i) {
-      const bool keep = p_[i] != p;
-      p_[kept] = p_[i];
-      ratio_[kept] = ratio_[i];
-      kept += keep;
-    }
-    size_ = kept;
+  void remove(std::uint32_t i) {
+    --size_;
+    p_[i] = p_[size_];
+    ratio_[i] = ratio_[size_];
   }
 
  private:
+  void grow(std::size_t least) {
+    p_.resize(2 * least);
+    ratio_.resize(2 * least);
+  }
+
   std::vector<VertexId> p_;
   std::vector<double> ratio_;
-  std::uint32_t size_ = 0;
+  std::vector<std::uint32_t> stamp_;  // [n] equal to `now_`: was offered or barred
+  std::uint32_t size_ = 0, now_ = 0;
 };
 
 }  // namespace hydrotin

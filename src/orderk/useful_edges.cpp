@@ -12,23 +12,21 @@
 namespace hydrotin {
 namespace {
 
+// Ratios closer than this to a given one, relatively, may be on either side of it.
+constexpr double kDoubt = 3 * kRatioError;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The edge us and the points right of it inside the circle at which the pencil stands.
 struct Pencil {
   VertexId s;
   std::uint32_t count;
-  double last;  // the largest ratio of the points inside
   std::array<VertexId, kMaxOrder + 1> inside;
 
-  [[nodiscard]] bool has(VertexId p) const {
-    for (std::uint32_t i = 0; i < count; ++i)
-      if (inside[i] == p) return true;
-    return false;
-  }
-  void add(const Hit& hit) {
-    inside[count++] = hit.p;
-    last = hit.ratio;
+  void add(VertexId p) { inside[count++] = p; }
+  void copy(const Pencil& other) {
+    s = other.s;
+    count = other.count;
+    for (std::uint32_t i = 0; i < count; ++i) inside[i] = other.inside[i];
   }
 };
 
@@ -36,12 +34,16 @@ struct Pencil {
 
 struct PencilGrowth::Impl {
   Impl(const TriangulationView& triangulation, const VertexLinks& vertex_links, int order, const LatticeBox& known)
-      : tri(triangulation), links(vertex_links), k(static_cast<std::uint32_t>(order)), window(known) {
+      : tri(triangulation),
+        links(vertex_links),
+        k(static_cast<std::uint32_t>(order)),
+        window(known),
+        frontier(triangulation.num_vertices()) {
     LatticeBox box;
     for (const LatticePoint p : tri.position.raw()) box.extend(p);
     is_small = !box.is_empty() && static_cast<double>(box.max.x) - box.min.x < kExactExtent &&
                static_cast<double>(box.max.y) - box.min.y < kExactExtent;
-    stack.reserve(16);
+    stack.resize(16);
   }
 
   TriangulationView tri;
@@ -57,11 +59,18 @@ struct PencilGrowth::Impl {
   double reach2 = 0;  // squared distance from u to the border of the window
   HalfedgeId entry{};
   std::vector<Pencil> stack{};
-  Frontier frontier{};
+  std::size_t stack_size = 0;
+  Pencil pencil{};  // the one that slides
+  Frontier frontier;
   double frontier_extent = 0;  // of all vectors that the pencil's ratios are made of
   HitList right{}, left{};
   UsefulEdges* edges = nullptr;
   std::vector<DecidingCircle>* beyond = nullptr;
+
+  Pencil& push() {
+    if (stack_size == stack.size()) stack.resize(2 * stack_size);
+    return stack[stack_size++];
+  }
 
   [[nodiscard]] Vector relative(VertexId p) const {
     const LatticePoint at = tri.position[p];
@@ -102,106 +111,128 @@ struct PencilGrowth::Impl {
     if (!(diameter2 * (1 + 1e-9) < reach2)) beyond->push_back({u, s, last.p});
   }
 
-  // The neighbours of c right of us, without those that are clearly inside already: their ratios are below `last`.
+  // The neighbours of c right of us that are not inside.
   template <bool kSmall>
-  void add_neighbors(VertexId c, Vector at_s, double last) {
+  void add_neighbors(VertexId c, Vector at_s) {
     const auto link = links.of(c);
-    const double least = is_exact<kSmall>(frontier_extent) ? last - 3 * kRatioError * std::fabs(last) : -kInfinity;
-    frontier.make_room(link.size());
-    for (const VertexId w : link) {
-      const Vector at = relative(w);
-      const double d = cross<kSmall>(at, at_s);
-      const double r = ratio(at, at_s, d);
-      frontier.offer({w, r}, (d > 0) & (r >= least));
-      if constexpr (!kSmall)
-        if (d > 0) frontier_extent = std::max(frontier_extent, at.extent());
+    frontier.make_room(link.size() + 1);
+    Frontier::Filler fill(frontier);
+    if constexpr (kSmall) {
+      for (std::size_t i = 0; i < link.size(); i += 2) {
+        const VertexId p = link[i], q = link[i + (i + 1 < link.size())];  // an odd one twice: it is added once
+        const auto [d, r] = ratios(vectors_between(at_u, tri.position[p], tri.position[q]), at_s);
+        const unsigned is_right = positive(d);
+        fill.offer(p, r[0], is_right & 1U);
+        fill.offer(q, r[1], is_right >> 1U);
+      }
+    } else {
+      for (const VertexId w : link) {
+        const Vector at = relative(w);
+        const double d = wide_cross(at, at_s);
+        if (!(d > 0)) continue;
+        fill.offer(w, ratio(at, at_s, d), 1);
+        frontier_extent = std::max(frontier_extent, at.extent());
+      }
     }
   }
 
-  // The frontier's point that is hit first, by predicate.
-  [[nodiscard]] Hit first_hit(VertexId s, bool exact) const {
-    Hit best = frontier[0];
+  // Index of the frontier's point that is hit first. Precondition: there is one.
+  template <bool kSmall>
+  [[nodiscard]] std::uint32_t first_hit(VertexId s) const {
+    const bool exact = is_exact<kSmall>(frontier_extent);
+    const auto [index, ratio, following] = frontier.least();
+    // Nothing but ratios next to the least one can be in doubt.
+    if (exact && following > ratio + kDoubt * std::fabs(ratio)) return index;
+    std::uint32_t best = 0;
     for (std::uint32_t i = 1; i < frontier.size(); ++i)
-      if (before_on_right(frontier[i], best, s, exact)) best = frontier[i];
+      if (before_on_right(frontier[i], frontier[best], s, exact)) best = i;
     return best;
   }
 
-  // Removes and returns the point hit next; `p` none if nothing lies right of us.
   template <bool kSmall>
-  Hit take_next(const Pencil& pencil) {
-    const bool exact = is_exact<kSmall>(frontier_extent);
-    while (frontier.size() > 0) {
-      Hit hit = frontier.least();
-      // Nothing but ratios next to the least one can be in doubt.
-      const std::uint32_t num_close = frontier.count_others(hit.p, hit.ratio + 3 * kRatioError * std::fabs(hit.ratio));
-      if (!exact || num_close > 0) hit = first_hit(pencil.s, exact);
-      frontier.remove(hit.p);
-      if (!pencil.has(hit.p)) return hit;
-    }
-    return {VertexId{}, kInfinity};
-  }
-
-  template <bool kSmall>
-  void slide(Pencil& pencil) {
+  void slide() {
     const Vector at_s = relative(pencil.s);
     Vector leftmost = relative(pencil.inside[0]);
     frontier.clear();
-    if constexpr (!kSmall) {
-      frontier_extent = at_s.extent();
-      for (std::uint32_t i = 0; i < pencil.count; ++i)
-        frontier_extent = std::max(frontier_extent, relative(pencil.inside[i]).extent());
-    }
-    add_neighbors<kSmall>(pencil.inside[0], at_s, pencil.last);
+    if constexpr (!kSmall) frontier_extent = at_s.extent();
+    for (std::uint32_t i = 0; i < pencil.count; ++i) frontier.bar(pencil.inside[i]);
+    add_neighbors<kSmall>(pencil.inside[0], at_s);
     for (std::uint32_t i = 1; i < pencil.count; ++i) {
       const VertexId p = pencil.inside[i];
-      add_neighbors<kSmall>(p, at_s, pencil.last);
+      add_neighbors<kSmall>(p, at_s);
       const Vector at = relative(p);
       if (cross<kSmall>(leftmost, at) > 0) leftmost = at;
     }
     for (;;) {
-      const Hit hit = take_next<kSmall>(pencil);
-      const bool at_end = hit.p.is_none() || pencil.count == k;
+      if (frontier.size() == 0) return certify(pencil.s, at_s, {VertexId{}, kInfinity});
+      const std::uint32_t index = first_hit<kSmall>(pencil.s);
+      const Hit hit = frontier[index];
+      const bool at_end = pencil.count == k;
       if (at_end) certify(pencil.s, at_s, hit);
-      if (hit.p.is_none()) return;
       const Vector at = relative(hit.p);
       if (cross<kSmall>(leftmost, at) > 0) {
-        consider<kSmall>(hit.p, at, pencil);
+        consider<kSmall>(hit.p, at);
         leftmost = at;
       }
       if (at_end) return;
-      pencil.add(hit);
-      add_neighbors<kSmall>(hit.p, at_s, pencil.last);
+      frontier.remove(index);
+      pencil.add(hit.p);
+      add_neighbors<kSmall>(hit.p, at_s);
     }
   }
 
+  // Adds w to the points on the left if it is inside; false if that is one too many.
+  bool add_left(const Hit& hit, const Hit& s2, VertexId v, bool exact) {
+    if (!inside_from_left(hit, s2, v, exact) || left.has(hit.p)) return true;
+    if (left.size() == k) return false;
+    left.append(hit);
+    return true;
+  }
+
   // Collects the points left of uv inside the circle through u, v and s2; false if there are more than k.
+  bool collect_left_small(const Hit& s2, VertexId v, Vector at_v) {
+    const double least = s2.ratio - kDoubt * std::fabs(s2.ratio);
+    for (std::uint32_t i = 0; i < left.size(); ++i) {
+      const auto link = links.of(left[i].p);
+      for (std::size_t j = 0; j < link.size(); j += 2) {
+        const VertexId p = link[j], q = link[j + (j + 1 < link.size())];
+        const auto [d, r] = ratios(vectors_between(at_u, tri.position[p], tri.position[q]), at_v);
+        const unsigned close = negative_and_least(d, r, least);
+        if (close == 0) continue;
+        if ((close & 1U) && !add_left({p, r[0]}, s2, v, true)) return false;
+        if ((close & 2U) && !add_left({q, r[1]}, s2, v, true)) return false;
+      }
+    }
+    return true;
+  }
+
+  bool collect_left_large(const Hit& s2, VertexId v, Vector at_v) {
+    for (std::uint32_t i = 0; i < left.size(); ++i)
+      for (const VertexId w : links.of(left[i].p)) {
+        const Vector at = relative(w);
+        const double d = wide_cross(at, at_v);
+        if (!(d < 0)) continue;
+        const Hit hit{w, ratio(at, at_v, d)};
+        const std::uint32_t before = left.size();
+        if (!add_left(hit, s2, v, std::max(left.extent, at.extent()) < kExactExtent)) return false;
+        if (left.size() > before) left.extent = std::max(left.extent, at.extent());
+      }
+    return true;
+  }
+
   template <bool kSmall>
   bool collect_left(VertexId s1, const Hit& s2, VertexId v, Vector at_v) {
     left.clear();
     const Vector at_s1 = relative(s1);
     left.append({s1, ratio(at_s1, at_v, cross<kSmall>(at_s1, at_v))});
-    double extent = kSmall ? 0 : std::max(right.extent, at_s1.extent());
-    for (std::uint32_t i = 0; i < left.size(); ++i) {
-      for (const VertexId w : links.of(left[i].p)) {
-        const Vector at = relative(w);
-        const double d = cross<kSmall>(at, at_v);
-        const Hit hit{w, ratio(at, at_v, d)};
-        const bool exact = kSmall || std::max(extent, at.extent()) < kExactExtent;
-        const double least = exact ? s2.ratio - 3 * kRatioError * std::fabs(s2.ratio) : -kInfinity;
-        if (!((d < 0) & (hit.ratio >= least))) continue;  // most of them: one branch
-        if (!inside_from_left(hit, s2, v, exact) || left.has(w)) continue;
-        if (left.size() == k) return false;
-        left.append(hit);
-        if constexpr (!kSmall) extent = std::max(extent, at.extent());
-      }
-    }
-    left.extent = extent;
-    return true;
+    if constexpr (kSmall) return collect_left_small(s2, v, at_v);
+    left.extent = std::max(right.extent, at_s1.extent());
+    return collect_left_large(s2, v, at_v);
   }
 
   // Lemma 2.1 for the edge from u to the hit v, with s1 = the pencil's s and the points inside C(u, v, s1) known.
   template <bool kSmall>
-  void consider(VertexId v, Vector at_v, const Pencil& pencil) {
+  void consider(VertexId v, Vector at_v) {
     right.clear();
     if constexpr (!kSmall) {
       right.extent = at_v.extent();
@@ -217,10 +248,9 @@ struct PencilGrowth::Impl {
     if (!collect_left<kSmall>(pencil.s, right[0], v, at_v)) return;
     certify(v, at_v, right[0]);
     if (at_u < tri.position[v]) emit<kSmall>(v);
-    Pencil& next = stack.emplace_back();
+    Pencil& next = push();
     next.s = v;
     next.count = right.size();
-    next.last = right[right.size() - 1].ratio;
     for (std::uint32_t i = 0; i < right.size(); ++i) next.inside[i] = right[i].p;
   }
 
@@ -248,20 +278,13 @@ struct PencilGrowth::Impl {
     // No edge leaves the cone across the hull.
     if (tri.twin[across].is_none()) return;
     entry = across;
-    const Vector at_m = relative(m0), at_s = relative(s0);
-    Pencil& first = stack.emplace_back();
+    Pencil& first = push();
     first.s = s0;
     first.count = 0;
-    first.add({m0, ratio(at_m, at_s, cross<kSmall>(at_m, at_s))});
-    Pencil pencil;
-    while (!stack.empty()) {
-      const Pencil& top = stack.back();
-      pencil.s = top.s;
-      pencil.count = top.count;
-      pencil.last = top.last;
-      std::copy_n(top.inside.begin(), top.count, pencil.inside.begin());
-      stack.pop_back();
-      slide<kSmall>(pencil);
+    first.add(m0);
+    while (stack_size > 0) {
+      pencil.copy(stack[--stack_size]);
+      slide<kSmall>();
     }
   }
 

@@ -31,6 +31,14 @@ std::uint32_t UsefulEdgeIndex::find(VertexId p, VertexId q) const {
   return kNone;
 }
 
+std::uint32_t UsefulEdgeIndex::find_below(std::uint32_t limit, VertexId p, VertexId q) const {
+  if (tri_.position[q] < tri_.position[p]) std::swap(p, q);
+  const std::uint32_t begin = begin_[p.value], end = std::min(begin + count_[p.value], limit);
+  for (std::uint32_t e = begin; e < end; ++e)
+    if (edges_.b[e] == q) return e;
+  return kNone;
+}
+
 bool UsefulEdgeIndex::is_delaunay(VertexId p, VertexId q) const {
   const auto link = links_.of(p);
   return std::find(link.begin(), link.end(), q) != link.end();
@@ -80,30 +88,42 @@ class TriangleFinder {
     return true;
   }
 
-  // Whether the triangle was met from an earlier edge: leg pw of edge e, whose third point is q.
-  [[nodiscard]] bool met_before(std::uint32_t leg, std::uint32_t e, VertexId q) const {
-    if (leg == UsefulEdgeIndex::kNone || leg > e) return false;
-    const auto content =
-        std::span(edges_.content)
-            .subspan(edges_.content_begin[leg], edges_.content_begin[leg + 1] - edges_.content_begin[leg]);
-    return std::find(content.begin(), content.end(), q) != content.end();
+  // Whether q is stored with an edge, if there is one.
+  [[nodiscard]] bool is_met_from(std::uint32_t leg, VertexId q) const {
+    if (leg == UsefulEdgeIndex::kNone) return false;
+    const std::uint32_t begin = edges_.content_begin[leg], end = edges_.content_begin[leg + 1];
+    for (std::uint32_t i = begin; i < end; ++i)
+      if (edges_.content[i] == q) return true;
+    return false;
+  }
+
+  // Whether an edge of lower number than e has met the triangle of e and w.
+  [[nodiscard]] bool met_before(std::uint32_t e, VertexId w) const {
+    const VertexId a = edges_.a[e], b = edges_.b[e];
+    return is_met_from(index_.find_below(e, a, w), b) || is_met_from(index_.find_below(e, w, b), a);
+  }
+
+  [[nodiscard]] bool is_useful(VertexId p, VertexId q) const {
+    return index_.find(p, q) != UsefulEdgeIndex::kNone || index_.is_delaunay(p, q);
+  }
+
+  void found(std::uint32_t e, bool right, VertexId w, std::size_t order) {
+    const VertexId a = edges_.a[e], b = edges_.b[e];
+    found_.vertices.push_back(right ? std::array{b, a, w} : std::array{a, b, w});
+    found_.order.push_back(static_cast<std::uint8_t>(order));
+    found_.entry.push_back(edges_.entry[e]);
   }
 
   void visit(std::uint32_t e, bool right) {
-    const VertexId a = edges_.a[e], b = edges_.b[e];
     const auto own = right ? edges_.right(e) : edges_.left(e);
-    for (std::size_t rank = 0; rank < own.size(); ++rank) {
+    const auto opposite = right ? edges_.left(e) : edges_.right(e);
+    // The legs to the first point of a side are useful, and its circle holds the points of the other side alone.
+    if (!met_before(e, own[0])) found(e, right, own[0], opposite.size());
+    const VertexId a = edges_.a[e], b = edges_.b[e];
+    for (std::size_t rank = 1; rank < own.size(); ++rank) {
       const VertexId w = own[rank];
-      const std::uint32_t leg_a = index_.find(a, w), leg_b = index_.find(b, w);
-      if (leg_a == UsefulEdgeIndex::kNone && !index_.is_delaunay(a, w)) continue;
-      if (leg_b == UsefulEdgeIndex::kNone && !index_.is_delaunay(b, w)) continue;
-      if (met_before(leg_a, e, b) || met_before(leg_b, e, a)) continue;
-      if (!is_empty(e, right, rank)) continue;
-      const auto order = order_of(e, right, rank);
-      if (!order) continue;
-      found_.vertices.push_back(right ? std::array{b, a, w} : std::array{a, b, w});
-      found_.order.push_back(static_cast<std::uint8_t>(*order));
-      found_.entry.push_back(edges_.entry[e]);
+      if (!is_empty(e, right, rank) || !is_useful(a, w) || !is_useful(b, w) || met_before(e, w)) continue;
+      if (const auto order = order_of(e, right, rank)) found(e, right, w, *order);
     }
   }
 

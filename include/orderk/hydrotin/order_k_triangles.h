@@ -29,6 +29,8 @@ class UsefulEdgeIndex {
 
   /// The number of the non-Delaunay useful edge between p and q, or none (all bits set).
   [[nodiscard]] std::uint32_t find(VertexId p, VertexId q) const;
+  /// The same, of the edges with a number below `limit` only.
+  [[nodiscard]] std::uint32_t find_below(std::uint32_t limit, VertexId p, VertexId q) const;
   [[nodiscard]] bool is_delaunay(VertexId p, VertexId q) const;
 
   static constexpr std::uint32_t kNone = static_cast<std::uint32_t>(-1);

@@ -142,7 +142,7 @@ double plain_seconds(const Cloud& cloud) {
 struct Report {
   std::vector<std::pair<const char*, Cost>> stages;
   double bytes = 0;
-  std::uint32_t edges = 0, triangles = 0, polygons = 0, wanting = 0;
+  std::uint32_t edges = 0, triangles = 0, polygons = 0, solved = 0;
 };
 
 Report run(const TriangulationView& tri, const VertexLinks& links, std::span<const std::int32_t> height, int k) {
@@ -165,19 +165,17 @@ Report run(const TriangulationView& tri, const VertexLinks& links, std::span<con
   const PolygonSource source{tri, height, crossings, subdivision, triangles, candidates, &assignment};
   PolygonExtractor extractor(source);
   PolygonSolver solver(Objective::local_minima);
-  std::vector<std::array<std::uint32_t, 3>> answer;
+  const auto to_solve = polygons_to_solve(source, links, Objective::local_minima);
+  done("choose");
+  std::vector<std::array<VertexId, 3>> answer;
   answer.reserve(tri.num_triangles());
-  for (std::uint32_t f = 0; f < subdivision.size(); ++f) {
-    const std::size_t first = answer.size();
-    solver.solve(extractor.extract(f), answer);
-    for (std::size_t t = first; t < answer.size(); ++t)
-      for (auto& v : answer[t]) v = extractor.vertices()[v].value;
-  }
+  solve_polygons(source, to_solve, 0, subdivision.size(), extractor, solver, answer);
   done("polygons");
   report.bytes = static_cast<double>(bytes_at_peak - before);
   report.edges = edges.size();
   report.triangles = triangles.size();
   report.polygons = subdivision.size();
+  report.solved = static_cast<std::uint32_t>(std::count(to_solve.begin(), to_solve.end(), 1));
   return report;
 }
 
@@ -204,9 +202,10 @@ void measure(CloudKind kind, std::size_t n, const std::vector<int>& orders, int 
     for (const auto& [stage, cost] : r.stages) instructions += cost.instructions;
     const double each = 1 / static_cast<double>(n);
     std::printf(
-        "k %d: %.3f us a vertex, %.2f x B', %.0f instructions, %.1f bytes; edges %.3f triangles %.3f polygons %.3f\n",
+        "k %d: %.3f us a vertex, %.2f x B', %.0f instructions, %.1f bytes; edges %.3f triangles %.3f polygons %.3f, "
+        "%.3f solved\n",
         k, total(r) * per, total(r) / plain, instructions * each, r.bytes * each, r.edges * each, r.triangles * each,
-        r.polygons * each);
+        r.polygons * each, r.solved * each);
     for (const auto& [stage, cost] : r.stages)
       std::printf("      %-12s %.3f us %6.0f instructions\n", stage, cost.seconds * per, cost.instructions * each);
   }

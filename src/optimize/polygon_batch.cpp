@@ -1,5 +1,7 @@
 #include "hydrotin/polygon_batch.h"
 
+#include <algorithm>
+#include <bit>
 #include <numeric>
 
 namespace hydrotin {
@@ -16,23 +18,107 @@ PolygonCandidates candidates_by_polygon(const Subdivision& subdivision, const Or
   return out;
 }
 
-PolygonExtractor::PolygonExtractor(const PolygonSource& source)
-    : source_(source), local_of_(source.triangulation.num_vertices()) {}
+namespace {
+
+// Whether a vertex stands on the boundary of a polygon without components twice.
+bool touches_itself(const PolygonSource& source, std::uint32_t f, std::vector<VertexId>& scratch) {
+  const auto triangles = source.subdivision.triangles_of(f);
+  if (triangles.size() < 3) return false;
+  scratch.clear();
+  for (const TriangleId t : triangles)
+    for (HalfedgeId h = first_halfedge(t); triangle_of(h) == t; ++h.value)
+      scratch.push_back(source.triangulation.origin[h]);
+  std::sort(scratch.begin(), scratch.end());
+  const auto num_vertices = std::unique(scratch.begin(), scratch.end()) - scratch.begin();
+  return static_cast<std::size_t>(num_vertices) != triangles.size() + 2;
+}
+
+// Whether an inner Delaunay edge of polygon f leads down from v.
+bool delaunay_serves(const PolygonSource& source, const VertexLinks& links, VertexId v, std::uint32_t f) {
+  const auto position = source.triangulation.position;
+  for (std::uint32_t i = links.begin[v.value]; i < links.begin[v.value + 1]; ++i) {
+    const HalfedgeId spoke = links.spoke[i];
+    if (spoke.is_none() || !source.crossings.crossed[spoke.value]) continue;
+    const VertexId w = links.neighbor[i];
+    if (is_lower(source.height[w.value], position[w], source.height[v.value], position[v]) &&
+        source.subdivision.polygon[triangle_of(spoke).value] == f)
+      return true;
+  }
+  return false;
+}
+
+std::uint32_t slot_of(VertexId v, std::size_t num_slots) {
+  return (v.value * 0x9e3779b1U) >> (32 - std::countr_zero(num_slots));
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> polygons_to_solve(const PolygonSource& source, const VertexLinks& links,
+                                            Objective objective) {
+  const std::uint32_t num_polygons = source.subdivision.size();
+  std::vector<std::uint8_t> out(num_polygons);
+  if (objective == Objective::delaunay) return out;
+  if (objective != Objective::local_minima) {
+    for (std::uint32_t f = 0; f < num_polygons; ++f)
+      out[f] = source.candidates.begin[f] < source.candidates.begin[f + 1];
+    return out;
+  }
+  constexpr std::uint8_t kServed = 2;  // somebody wants, but the Delaunay triangles do for all
+  for (VertexId v{0}; v.value < source.triangulation.num_vertices(); ++v.value) {
+    const TriangleId where = source.assignment->where[v.value];
+    if (where.is_none()) continue;
+    const std::uint32_t f = source.subdivision.polygon[where.value];
+    if (out[f] != 1) out[f] = delaunay_serves(source, links, v, f) ? kServed : 1;
+  }
+  std::vector<VertexId> scratch;
+  for (std::uint32_t f = 0; f < num_polygons; ++f) {
+    if (out[f] == kServed) out[f] = source.subdivision.components[f] > 0 || touches_itself(source, f, scratch);
+    if (source.candidates.begin[f] == source.candidates.begin[f + 1]) out[f] = 0;
+  }
+  return out;
+}
+
+BatchFigures solve_polygons(const PolygonSource& source, std::span<const std::uint8_t> to_solve, std::uint32_t begin,
+                            std::uint32_t end, PolygonExtractor& extractor, PolygonSolver& solver,
+                            std::vector<std::array<VertexId, 3>>& triangles) {
+  const TriangulationView& tri = source.triangulation;
+  BatchFigures figures;
+  std::vector<std::array<std::uint32_t, 3>> answer;
+  for (std::uint32_t f = begin; f < end; ++f) {
+    if (!to_solve[f]) {
+      for (const TriangleId t : source.subdivision.triangles_of(f)) {
+        const HalfedgeId h = first_halfedge(t);
+        triangles.push_back({tri.origin[h], tri.target(h), tri.apex(h)});
+      }
+      continue;
+    }
+    answer.clear();
+    const PolygonResult result = solver.solve(extractor.extract(f), answer);
+    const auto vertex = extractor.vertices();
+    for (const auto& t : answer) triangles.push_back({vertex[t[0]], vertex[t[1]], vertex[t[2]]});
+    figures.max_order = std::max(figures.max_order, result.max_order);
+    figures.fallbacks += !result.optimal && result.ways > 1;
+  }
+  return figures;
+}
+
+PolygonExtractor::PolygonExtractor(const PolygonSource& source) : source_(source) {}
 
 std::uint32_t PolygonExtractor::local(VertexId v) {
-  std::uint32_t& number = local_of_[v.value];
-  if (number == 0) {
-    vertices_.push_back(v);
-    position_.push_back(source_.triangulation.position[v]);
-    height_.push_back(source_.height[v.value]);
-    number = static_cast<std::uint32_t>(vertices_.size());
-  }
-  return number - 1;
+  std::uint32_t i = slot_of(v, slot_.size());
+  for (; slot_[i] != 0; i = (i + 1) & static_cast<std::uint32_t>(slot_.size() - 1))
+    if (vertices_[slot_[i] - 1] == v) return slot_[i] - 1;
+  vertices_.push_back(v);
+  position_.push_back(source_.triangulation.position[v]);
+  height_.push_back(source_.height[v.value]);
+  slot_[i] = static_cast<std::uint32_t>(vertices_.size());
+  return slot_[i] - 1;
 }
 
 const PolygonProblem& PolygonExtractor::extract(std::uint32_t f) {
   const TriangulationView& tri = source_.triangulation;
-  for (const VertexId v : vertices_) local_of_[v.value] = 0;
+  // A polygon of T triangles has at most T + 2 vertices.
+  slot_.assign(std::bit_ceil(2 * source_.subdivision.triangles_of(f).size() + 4), 0);
   vertices_.clear();
   position_.clear();
   height_.clear();

@@ -36,7 +36,14 @@ struct PolygonSource {
   const MinimaAssignment* assignment = nullptr;  ///< for local-minima only
 };
 
-/// Copies one polygon at a time into local arrays.
+/// Which polygons have to be solved (1); of the others the Delaunay triangles are known to be the best answer (0),
+/// because nothing else can be made of them or because, for local-minima, they serve all vertices that want it.
+/// Polygons with components, and polygons that touch themselves, are only left out if nobody wants anything of them.
+/// Complexity: O(n + T + E). Precondition: `assignment` is there for local-minima.
+[[nodiscard]] std::vector<std::uint8_t> polygons_to_solve(const PolygonSource& source, const VertexLinks& links,
+                                                          Objective objective);
+
+/// Copies one polygon at a time into local arrays. Its scratch memory is that of the largest polygon so far.
 class PolygonExtractor {
  public:
   explicit PolygonExtractor(const PolygonSource& source);
@@ -50,12 +57,26 @@ class PolygonExtractor {
 
   const PolygonSource& source_;
   PolygonProblem problem_;
-  std::vector<std::uint32_t> local_of_;  // [n] scratch: local number + 1
+  std::vector<std::uint32_t> slot_;  // open addressing: local number + 1, or 0
   std::vector<VertexId> vertices_;
   std::vector<LatticePoint> position_;
   std::vector<std::int32_t> height_;
   std::vector<std::uint8_t> wants_lower_, fixed_, others_order_;
   std::vector<std::array<std::uint32_t, 3>> delaunay_, others_;
 };
+
+/// What was found in a range of polygons.
+struct BatchFigures {
+  std::uint32_t max_order = 0;  ///< of the triangles of the answers
+  std::uint32_t fallbacks = 0;  ///< polygons of which not the whole class was searched
+};
+
+/// Solves the polygons [begin, end) in their order and appends their triangles, counter-clockwise, as vertices of the
+/// triangulation. Ranges may be solved concurrently, each with its own extractor, solver and output; put together in
+/// their order the outputs are the same for every way of cutting.
+/// @param to_solve  [F] of `polygons_to_solve`
+BatchFigures solve_polygons(const PolygonSource& source, std::span<const std::uint8_t> to_solve, std::uint32_t begin,
+                            std::uint32_t end, PolygonExtractor& extractor, PolygonSolver& solver,
+                            std::vector<std::array<VertexId, 3>>& triangles);
 
 }  // namespace hydrotin

@@ -5,13 +5,16 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
 #include <new>
 #include <numeric>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "clouds.h"
@@ -24,18 +27,19 @@
 namespace {
 
 // Bytes in use and their peak, of everything that is allocated through new.
-std::size_t bytes_in_use = 0, bytes_at_peak = 0;
+std::atomic<std::size_t> bytes_in_use = 0, bytes_at_peak = 0;
 
 void* counted(std::size_t size) {
   void* p = std::malloc(size);
   if (!p) throw std::bad_alloc();
-  bytes_in_use += malloc_usable_size(p);
-  bytes_at_peak = std::max(bytes_at_peak, bytes_in_use);
+  const std::size_t now = bytes_in_use += malloc_usable_size(p);
+  for (std::size_t peak = bytes_at_peak; now > peak && !bytes_at_peak.compare_exchange_weak(peak, now);) {
+  }
   return p;
 }
 
 void discount(void* p) {
-  bytes_in_use -= malloc_usable_size(p);
+  if (p) bytes_in_use -= malloc_usable_size(p);
   std::free(p);
 }
 
@@ -145,47 +149,96 @@ struct Report {
   std::uint32_t edges = 0, triangles = 0, polygons = 0, solved = 0;
 };
 
-Report run(const TriangulationView& tri, const VertexLinks& links, std::span<const std::int32_t> height, int k) {
+// Deals the ranges of [0, size) to some threads: `make_worker()` is called in each of them and its result with ranges.
+template <class MakeWorker>
+void for_ranges(std::uint32_t size, std::uint32_t range, int num_workers, MakeWorker make_worker) {
+  std::atomic<std::uint32_t> next{0};
+  const auto work = [&] {
+    auto worker = make_worker();
+    for (std::uint32_t i; (i = next++) * std::uint64_t{range} < size;)
+      worker(i * range, static_cast<std::uint32_t>(std::min<std::uint64_t>(size, (i + std::uint64_t{1}) * range)));
+  };
+  std::vector<std::thread> others;
+  for (int i = 1; i < num_workers; ++i) others.emplace_back(work);
+  work();
+  for (std::thread& other : others) other.join();
+}
+
+UsefulEdges all_edges(const TriangulationView& tri, const VertexLinks& links, int k, int num_workers) {
+  std::vector<UsefulEdges> parts((tri.num_vertices() + kGrowthRange - 1) / kGrowthRange);
+  for_ranges(tri.num_vertices(), kGrowthRange, num_workers, [&] {
+    return [&, growth = std::make_unique<PencilGrowth>(tri, links, k, kWholePlane)](std::uint32_t begin,
+                                                                                    std::uint32_t end) {
+      std::vector<DecidingCircle> beyond;
+      parts[begin / kGrowthRange] = growth->grow_range(VertexId{begin}, VertexId{end}, beyond);
+    };
+  });
+  return concatenate(std::move(parts));
+}
+
+// Polygons with components go apart: what they cost depends on how few or many there are.
+void solve_all(const PolygonSource& source, std::span<const std::uint8_t> to_solve, int num_workers,
+               std::span<std::array<VertexId, 3>> answer) {
+  for_ranges(source.subdivision.size(), 1024, num_workers, [&] {
+    return [&, extractor = std::make_unique<PolygonExtractor>(source),
+            solver = std::make_unique<PolygonSolver>(Objective::local_minima)](std::uint32_t begin, std::uint32_t end) {
+      solve_polygons(source, to_solve, begin, end, *extractor, *solver, answer);
+    };
+  });
+}
+
+Report run(const TriangulationView& tri, const VertexLinks& links, std::span<const std::int32_t> height, int k,
+           int num_workers) {
   Report report;
-  const std::size_t before = bytes_at_peak = bytes_in_use;
+  const std::size_t before = bytes_in_use;
+  bytes_at_peak = before;
   Laps laps;
   const auto done = [&](const char* stage) { report.stages.emplace_back(stage, laps.lap()); };
-  const UsefulEdges edges = useful_edges(tri, links, k);
+  const UsefulEdges edges = all_edges(tri, links, k, num_workers);
   done("edges");
-  const OrderKTriangles triangles = order_k_triangles(tri, links, edges, k);
-  done("triangles");
-  const Crossings crossings = find_crossings(tri, edges);
+  Crossings crossings = find_crossings(tri, edges);
   done("crossings");
   const Subdivision subdivision = subdivide(tri, crossings.crossed);
   done("subdivide");
+  const MinimaAssignment assignment = assign_minima(tri, links, edges, crossings, height);
+  std::vector<HalfedgeId>().swap(crossings.exit);
+  done("minima");
+  const auto to_solve =
+      polygons_to_solve(tri, links, height, crossings, subdivision, Objective::local_minima, &assignment);
+  done("choose");
+  const OrderKTriangles triangles = order_k_triangles(tri, links, edges, k, subdivision, to_solve);
+  done("triangles");
   const PolygonCandidates candidates = candidates_by_polygon(subdivision, triangles);
   done("candidates");
-  const MinimaAssignment assignment = assign_minima(tri, links, edges, crossings, height);
-  done("minima");
   const PolygonSource source{tri, height, crossings, subdivision, triangles, candidates, &assignment};
+  std::vector<std::array<VertexId, 3>> answer(tri.num_triangles());
+  std::vector<std::uint8_t> simple = to_solve, hard = to_solve;
+  for (std::uint32_t f = 0; f < subdivision.size(); ++f) (subdivision.components[f] > 0 ? simple : hard)[f] = 0;
+  solve_all(source, simple, num_workers, answer);
+  done("polygons");
+  report.solved = static_cast<std::uint32_t>(std::count(to_solve.begin(), to_solve.end(), 1));
   PolygonExtractor extractor(source);
   PolygonSolver solver(Objective::local_minima);
-  const auto to_solve = polygons_to_solve(source, links, Objective::local_minima);
-  done("choose");
-  std::vector<std::array<VertexId, 3>> answer;
-  answer.reserve(tri.num_triangles());
-  solve_polygons(source, to_solve, 0, subdivision.size(), extractor, solver, answer);
-  done("polygons");
+  for (std::uint32_t f = 0; f < subdivision.size(); ++f)
+    if (hard[f]) solve_polygons(source, hard, f, f + 1, extractor, solver, answer);
+  done("components");
   report.bytes = static_cast<double>(bytes_at_peak - before);
   report.edges = edges.size();
-  report.triangles = triangles.size();
   report.polygons = subdivision.size();
-  report.solved = static_cast<std::uint32_t>(std::count(to_solve.begin(), to_solve.end(), 1));
+  report.triangles = order_k_triangles(tri, links, edges, k).size();
+  done("(all triangles)");
   return report;
 }
 
+// Without what was done for comparison only.
 double total(const Report& report) {
   double sum = 0;
-  for (const auto& [stage, cost] : report.stages) sum += cost.seconds;
+  for (const auto& [stage, cost] : report.stages)
+    if (stage[0] != '(') sum += cost.seconds;
   return sum;
 }
 
-void measure(CloudKind kind, std::size_t n, const std::vector<int>& orders, int repeats) {
+void measure(CloudKind kind, std::size_t n, const std::vector<int>& orders, int repeats, int num_workers) {
   const Cloud cloud = make(kind, n);
   n = cloud.position.size();
   const double plain = plain_seconds(cloud), per = 1e6 / static_cast<double>(n);
@@ -195,11 +248,12 @@ void measure(CloudKind kind, std::size_t n, const std::vector<int>& orders, int 
   std::printf("%s, %zu points, B' %.3f us a vertex\n", name_of(kind), n, plain * per);
   for (const int k : orders) {
     std::vector<Report> reports;
-    for (int i = 0; i < repeats; ++i) reports.push_back(run(tri, links, cloud.height, k));
+    for (int i = 0; i < repeats; ++i) reports.push_back(run(tri, links, cloud.height, k, num_workers));
     std::sort(reports.begin(), reports.end(), [](const Report& a, const Report& b) { return total(a) < total(b); });
     const Report& r = reports[reports.size() / 2];
     double instructions = 0;
-    for (const auto& [stage, cost] : r.stages) instructions += cost.instructions;
+    for (const auto& [stage, cost] : r.stages)
+      if (stage[0] != '(') instructions += cost.instructions;
     const double each = 1 / static_cast<double>(n);
     std::printf(
         "k %d: %.3f us a vertex, %.2f x B', %.0f instructions, %.1f bytes; edges %.3f triangles %.3f polygons %.3f, "
@@ -207,7 +261,7 @@ void measure(CloudKind kind, std::size_t n, const std::vector<int>& orders, int 
         k, total(r) * per, total(r) / plain, instructions * each, r.bytes * each, r.edges * each, r.triangles * each,
         r.polygons * each, r.solved * each);
     for (const auto& [stage, cost] : r.stages)
-      std::printf("      %-12s %.3f us %6.0f instructions\n", stage, cost.seconds * per, cost.instructions * each);
+      std::printf("      %-15s %.3f us %6.0f instructions\n", stage, cost.seconds * per, cost.instructions * each);
   }
 }
 
@@ -217,16 +271,17 @@ void measure(CloudKind kind, std::size_t n, const std::vector<int>& orders, int 
 int main(int argc, char** argv) {
   using namespace hydrotin::testing;
   double n = 1e6;
-  int repeats = 3;
+  int repeats = 3, workers = 1;
   std::vector<int> orders{1, 2, 3, 4};
   std::vector<CloudKind> kinds{CloudKind::uniform, CloudKind::scanlines};
   for (int i = 1; i + 1 < argc; i += 2) {
     if (!std::strcmp(argv[i], "--points")) n = std::atof(argv[i + 1]);
     if (!std::strcmp(argv[i], "--repeats")) repeats = std::atoi(argv[i + 1]);
+    if (!std::strcmp(argv[i], "--workers")) workers = std::atoi(argv[i + 1]);
     if (!std::strcmp(argv[i], "--order")) orders = {std::atoi(argv[i + 1])};
     if (!std::strcmp(argv[i], "--cloud"))
       std::erase_if(kinds, [&](CloudKind c) { return std::string(argv[i + 1]) != name_of(c); });
   }
-  for (const CloudKind kind : kinds) measure(kind, static_cast<std::size_t>(n), orders, repeats);
+  for (const CloudKind kind : kinds) measure(kind, static_cast<std::size_t>(n), orders, repeats, workers);
   return 0;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 #include <numeric>
 
 namespace hydrotin {
@@ -20,32 +21,48 @@ PolygonCandidates candidates_by_polygon(const Subdivision& subdivision, const Or
 
 namespace {
 
-// Whether a vertex stands on the boundary of a polygon without components twice.
-bool touches_itself(const PolygonSource& source, std::uint32_t f, std::vector<VertexId>& scratch) {
-  const auto triangles = source.subdivision.triangles_of(f);
-  if (triangles.size() < 3) return false;
-  scratch.clear();
-  for (const TriangleId t : triangles)
-    for (HalfedgeId h = first_halfedge(t); triangle_of(h) == t; ++h.value)
-      scratch.push_back(source.triangulation.origin[h]);
-  std::sort(scratch.begin(), scratch.end());
-  const auto num_vertices = std::unique(scratch.begin(), scratch.end()) - scratch.begin();
-  return static_cast<std::size_t>(num_vertices) != triangles.size() + 2;
-}
+// Tells whether the Delaunay triangles of polygons serve their vertices.
+class DelaunayService {
+ public:
+  DelaunayService(const TriangulationView& tri, const VertexLinks& links, std::span<const std::int32_t> height,
+                  const Crossings& crossings, const Subdivision& subdivision)
+      : tri_(tri), links_(links), height_(height), crossings_(crossings), subdivision_(subdivision) {}
 
-// Whether an inner Delaunay edge of polygon f leads down from v.
-bool delaunay_serves(const PolygonSource& source, const VertexLinks& links, VertexId v, std::uint32_t f) {
-  const auto position = source.triangulation.position;
-  for (std::uint32_t i = links.begin[v.value]; i < links.begin[v.value + 1]; ++i) {
-    const HalfedgeId spoke = links.spoke[i];
-    if (spoke.is_none() || !source.crossings.crossed[spoke.value]) continue;
-    const VertexId w = links.neighbor[i];
-    if (is_lower(source.height[w.value], position[w], source.height[v.value], position[v]) &&
-        source.subdivision.polygon[triangle_of(spoke).value] == f)
-      return true;
+  // Whether an inner Delaunay edge of polygon f leads down from v.
+  [[nodiscard]] bool serves(VertexId v, std::uint32_t f) const {
+    for (std::uint32_t i = links_.begin[v.value]; i < links_.begin[v.value + 1]; ++i) {
+      const HalfedgeId spoke = links_.spoke[i];
+      if (spoke.is_none() || !crossings_.crossed[spoke.value]) continue;
+      const VertexId w = links_.neighbor[i];
+      if (is_lower(height_[w.value], tri_.position[w], height_[v.value], tri_.position[v]) &&
+          subdivision_.polygon[triangle_of(spoke).value] == f)
+        return true;
+    }
+    return false;
   }
-  return false;
-}
+
+  // Whether the dynamic program for f counts a vertex more than once, on a slit or where f touches itself: then it may
+  // prefer another triangulation.
+  [[nodiscard]] bool has_repeated_vertices(std::uint32_t f) {
+    const auto triangles = subdivision_.triangles_of(f);
+    if (subdivision_.components[f] > 0) return true;
+    if (triangles.size() < 3) return false;
+    vertices_.clear();
+    for (const TriangleId t : triangles)
+      for (HalfedgeId h = first_halfedge(t); triangle_of(h) == t; ++h.value) vertices_.push_back(tri_.origin[h]);
+    std::sort(vertices_.begin(), vertices_.end());
+    const auto num_vertices = std::unique(vertices_.begin(), vertices_.end()) - vertices_.begin();
+    return static_cast<std::size_t>(num_vertices) != triangles.size() + 2;
+  }
+
+ private:
+  const TriangulationView& tri_;
+  const VertexLinks& links_;
+  std::span<const std::int32_t> height_;
+  const Crossings& crossings_;
+  const Subdivision& subdivision_;
+  std::vector<VertexId> vertices_;  // scratch
+};
 
 std::uint32_t slot_of(VertexId v, std::size_t num_slots) {
   return (v.value * 0x9e3779b1U) >> (32 - std::countr_zero(num_slots));
@@ -53,49 +70,49 @@ std::uint32_t slot_of(VertexId v, std::size_t num_slots) {
 
 }  // namespace
 
-std::vector<std::uint8_t> polygons_to_solve(const PolygonSource& source, const VertexLinks& links,
-                                            Objective objective) {
-  const std::uint32_t num_polygons = source.subdivision.size();
-  std::vector<std::uint8_t> out(num_polygons);
+std::vector<std::uint8_t> polygons_to_solve(const TriangulationView& tri, const VertexLinks& links,
+                                            std::span<const std::int32_t> height, const Crossings& crossings,
+                                            const Subdivision& subdivision, Objective objective,
+                                            const MinimaAssignment* assignment) {
+  std::vector<std::uint8_t> out(subdivision.size());
   if (objective == Objective::delaunay) return out;
   if (objective != Objective::local_minima) {
-    for (std::uint32_t f = 0; f < num_polygons; ++f)
-      out[f] = source.candidates.begin[f] < source.candidates.begin[f + 1];
+    for (std::uint32_t f = 0; f < out.size(); ++f) out[f] = subdivision.triangles_of(f).size() > 1;
     return out;
   }
   constexpr std::uint8_t kServed = 2;  // somebody wants, but the Delaunay triangles do for all
-  for (VertexId v{0}; v.value < source.triangulation.num_vertices(); ++v.value) {
-    const TriangleId where = source.assignment->where[v.value];
+  DelaunayService delaunay(tri, links, height, crossings, subdivision);
+  for (VertexId v{0}; v.value < tri.num_vertices(); ++v.value) {
+    const TriangleId where = assignment->where[v.value];
     if (where.is_none()) continue;
-    const std::uint32_t f = source.subdivision.polygon[where.value];
-    if (out[f] != 1) out[f] = delaunay_serves(source, links, v, f) ? kServed : 1;
+    const std::uint32_t f = subdivision.polygon[where.value];
+    if (out[f] != 1) out[f] = delaunay.serves(v, f) ? kServed : 1;
   }
-  std::vector<VertexId> scratch;
-  for (std::uint32_t f = 0; f < num_polygons; ++f) {
-    if (out[f] == kServed) out[f] = source.subdivision.components[f] > 0 || touches_itself(source, f, scratch);
-    if (source.candidates.begin[f] == source.candidates.begin[f + 1]) out[f] = 0;
-  }
+  for (std::uint32_t f = 0; f < out.size(); ++f)
+    if (out[f] == kServed) out[f] = delaunay.has_repeated_vertices(f);
   return out;
 }
 
 BatchFigures solve_polygons(const PolygonSource& source, std::span<const std::uint8_t> to_solve, std::uint32_t begin,
                             std::uint32_t end, PolygonExtractor& extractor, PolygonSolver& solver,
-                            std::vector<std::array<VertexId, 3>>& triangles) {
+                            std::span<std::array<VertexId, 3>> triangles) {
   const TriangulationView& tri = source.triangulation;
   BatchFigures figures;
   std::vector<std::array<std::uint32_t, 3>> answer;
   for (std::uint32_t f = begin; f < end; ++f) {
+    auto* out = triangles.data() + source.subdivision.begin[f];
     if (!to_solve[f]) {
       for (const TriangleId t : source.subdivision.triangles_of(f)) {
         const HalfedgeId h = first_halfedge(t);
-        triangles.push_back({tri.origin[h], tri.target(h), tri.apex(h)});
+        *out++ = {tri.origin[h], tri.target(h), tri.apex(h)};
       }
       continue;
     }
     answer.clear();
     const PolygonResult result = solver.solve(extractor.extract(f), answer);
+    assert(answer.size() == source.subdivision.triangles_of(f).size());
     const auto vertex = extractor.vertices();
-    for (const auto& t : answer) triangles.push_back({vertex[t[0]], vertex[t[1]], vertex[t[2]]});
+    for (const auto& t : answer) *out++ = {vertex[t[0]], vertex[t[1]], vertex[t[2]]};
     figures.max_order = std::max(figures.max_order, result.max_order);
     figures.fallbacks += !result.optimal && result.ways > 1;
   }

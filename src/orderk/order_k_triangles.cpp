@@ -52,9 +52,21 @@ class TriangleFinder {
   TriangleFinder(const TriangulationView& tri, const VertexLinks& links, const UsefulEdges& edges, int k)
       : tri_(tri), edges_(edges), index_(tri, links, edges), k_(static_cast<std::size_t>(k)) {}
 
-  OrderKTriangles run() {
+  // Visits the edges that are `wanted`.
+  template <class Wanted>
+  OrderKTriangles run(Wanted wanted) {
+    std::size_t num_wanted = 0;
+    for (std::uint32_t e = 0; e < edges_.size(); ++e) num_wanted += wanted(e);
+    // Two triangles an edge, on its first points, and a few more.
+    const std::size_t usual = 2 * num_wanted + num_wanted / 4;
+    found_.vertices.reserve(usual);
+    found_.order.reserve(usual);
+    found_.entry.reserve(usual);
     for (std::uint32_t e = 0; e < edges_.size(); ++e)
-      for (const bool right : {true, false}) visit(e, right);
+      if (wanted(e)) {
+        visit(e, true);
+        visit(e, false);
+      }
     return std::move(found_);
   }
 
@@ -138,7 +150,15 @@ class TriangleFinder {
 
 OrderKTriangles order_k_triangles(const TriangulationView& triangulation, const VertexLinks& links,
                                   const UsefulEdges& edges, int k) {
-  return TriangleFinder(triangulation, links, edges, k).run();
+  return TriangleFinder(triangulation, links, edges, k).run([](std::uint32_t) { return true; });
+}
+
+OrderKTriangles order_k_triangles(const TriangulationView& triangulation, const VertexLinks& links,
+                                  const UsefulEdges& edges, int k, const Subdivision& subdivision,
+                                  std::span<const std::uint8_t> wanted) {
+  return TriangleFinder(triangulation, links, edges, k).run([&](std::uint32_t e) {
+    return wanted[subdivision.polygon[triangle_of(edges.entry[e]).value]] != 0;
+  });
 }
 
 }  // namespace hydrotin

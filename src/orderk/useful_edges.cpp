@@ -337,6 +337,56 @@ void UsefulEdges::truncate(std::uint32_t size) {
   content.resize(content_begin.back());
 }
 
+void UsefulEdges::trim() {
+  for (auto* ids : {&a, &b, &content}) ids->shrink_to_fit();
+  for (auto* numbers : {&useful_order, &num_right}) numbers->shrink_to_fit();
+  entry.shrink_to_fit();
+  content_begin.shrink_to_fit();
+}
+
+UsefulEdges PencilGrowth::grow_range(VertexId begin, VertexId end, std::vector<DecidingCircle>& beyond) {
+  UsefulEdges edges;
+  for (VertexId u = begin; u < end; ++u.value) grow(u, edges, beyond);
+  edges.trim();
+  return edges;
+}
+
+namespace {
+
+// Moves one array of all parts.
+template <class Array>
+void concatenate(std::vector<UsefulEdges>& parts, Array UsefulEdges::*array, UsefulEdges& out) {
+  std::size_t size = 0;
+  for (const UsefulEdges& part : parts) size += (part.*array).size();
+  (out.*array).reserve(size);
+  for (UsefulEdges& part : parts) {
+    (out.*array).insert((out.*array).end(), (part.*array).begin(), (part.*array).end());
+    Array().swap(part.*array);
+  }
+}
+
+}  // namespace
+
+UsefulEdges concatenate(std::vector<UsefulEdges> parts) {
+  UsefulEdges out;
+  std::size_t num_edges = 0;
+  for (const UsefulEdges& part : parts) num_edges += part.size();
+  out.content_begin.reserve(num_edges + 1);
+  std::uint32_t base = 0;
+  for (UsefulEdges& part : parts) {
+    for (std::uint32_t e = 0; e < part.size(); ++e) out.content_begin.push_back(base + part.content_begin[e + 1]);
+    base = out.content_begin.back();
+    std::vector<std::uint32_t>(1).swap(part.content_begin);
+  }
+  concatenate(parts, &UsefulEdges::content, out);
+  concatenate(parts, &UsefulEdges::a, out);
+  concatenate(parts, &UsefulEdges::b, out);
+  concatenate(parts, &UsefulEdges::useful_order, out);
+  concatenate(parts, &UsefulEdges::num_right, out);
+  concatenate(parts, &UsefulEdges::entry, out);
+  return out;
+}
+
 void locate_entries(const TriangulationView& tri, const VertexLinks& links, UsefulEdges& edges) {
   for (std::uint32_t e = 0; e < edges.size(); ++e) {
     const VertexId a = edges.a[e];
@@ -355,17 +405,16 @@ void locate_entries(const TriangulationView& tri, const VertexLinks& links, Usef
 }
 
 UsefulEdges useful_edges(const TriangulationView& triangulation, const VertexLinks& links, int k) {
-  UsefulEdges edges;
-  if (k == 0) return edges;
-  constexpr std::int32_t kLow = std::numeric_limits<std::int32_t>::min(),
-                         kHigh = std::numeric_limits<std::int32_t>::max();
-  PencilGrowth growth(triangulation, links, k, LatticeBox{{kLow, kLow}, {kHigh, kHigh}});
+  if (k == 0) return {};
+  PencilGrowth growth(triangulation, links, k, kWholePlane);
   std::vector<DecidingCircle> beyond;
-  for (VertexId u{0}; u.value < triangulation.num_vertices(); ++u.value) {
-    growth.grow(u, edges, beyond);
+  std::vector<UsefulEdges> parts;
+  const std::uint32_t n = triangulation.num_vertices();
+  for (std::uint32_t begin = 0; begin < n; begin += kGrowthRange) {
+    parts.push_back(growth.grow_range(VertexId{begin}, VertexId{std::min(n, begin + kGrowthRange)}, beyond));
     beyond.clear();
   }
-  return edges;
+  return concatenate(std::move(parts));
 }
 
 }  // namespace hydrotin

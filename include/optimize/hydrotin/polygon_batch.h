@@ -39,9 +39,13 @@ struct PolygonSource {
 /// Which polygons have to be solved (1); of the others the Delaunay triangles are known to be the best answer (0),
 /// because nothing else can be made of them or because, for local-minima, they serve all vertices that want it.
 /// Polygons with components, and polygons that touch themselves, are only left out if nobody wants anything of them.
-/// Complexity: O(n + T + E). Precondition: `assignment` is there for local-minima.
-[[nodiscard]] std::vector<std::uint8_t> polygons_to_solve(const PolygonSource& source, const VertexLinks& links,
-                                                          Objective objective);
+/// The order-k triangles of the others are never needed.
+/// Complexity: O(n + T). Precondition: `assignment` is there for local-minima.
+[[nodiscard]] std::vector<std::uint8_t> polygons_to_solve(const TriangulationView& triangulation,
+                                                          const VertexLinks& links,
+                                                          std::span<const std::int32_t> height,
+                                                          const Crossings& crossings, const Subdivision& subdivision,
+                                                          Objective objective, const MinimaAssignment* assignment);
 
 /// Copies one polygon at a time into local arrays. Its scratch memory is that of the largest polygon so far.
 class PolygonExtractor {
@@ -71,12 +75,14 @@ struct BatchFigures {
   std::uint32_t fallbacks = 0;  ///< polygons of which not the whole class was searched
 };
 
-/// Solves the polygons [begin, end) in their order and appends their triangles, counter-clockwise, as vertices of the
-/// triangulation. Ranges may be solved concurrently, each with its own extractor, solver and output; put together in
-/// their order the outputs are the same for every way of cutting.
-/// @param to_solve  [F] of `polygons_to_solve`
+/// Solves the polygons [begin, end). Those of polygon f go where its Delaunay triangles stand in the subdivision:
+/// triangles[subdivision.begin[f] .. subdivision.begin[f + 1]), counter-clockwise, as vertices of the triangulation.
+/// Ranges may be solved concurrently, each with its own extractor and solver: the result is the same for every way of
+/// cutting.
+/// @param to_solve   [F] of `polygons_to_solve`; the order-k triangles of the others need not be there
+/// @param triangles  [T]
 BatchFigures solve_polygons(const PolygonSource& source, std::span<const std::uint8_t> to_solve, std::uint32_t begin,
                             std::uint32_t end, PolygonExtractor& extractor, PolygonSolver& solver,
-                            std::vector<std::array<VertexId, 3>>& triangles);
+                            std::span<std::array<VertexId, 3>> triangles);
 
 }  // namespace hydrotin

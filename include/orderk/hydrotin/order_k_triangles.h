@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "hydrotin/subdivision.h"
 #include "hydrotin/useful_edges.h"
 
 /// Order-k triangles with three useful edges: all that an order-k triangulation can be made of.
@@ -54,5 +55,10 @@ struct OrderKTriangles {
 /// The non-Delaunay order-k triangles met from the given edges. O(E k (k + degree)).
 [[nodiscard]] OrderKTriangles order_k_triangles(const TriangulationView& triangulation, const VertexLinks& links,
                                                 const UsefulEdges& edges, int k);
+
+/// The same, inside some polygons of the subdivision only: those with a 1 in `wanted` [F].
+[[nodiscard]] OrderKTriangles order_k_triangles(const TriangulationView& triangulation, const VertexLinks& links,
+                                                const UsefulEdges& edges, int k, const Subdivision& subdivision,
+                                                std::span<const std::uint8_t> wanted);
 
 }  // namespace hydrotin

@@ -176,6 +176,21 @@ UsefulEdges all_edges(const TriangulationView& tri, const VertexLinks& links, in
   return concatenate(std::move(parts));
 }
 
+constexpr std::uint32_t kEdgeRange = 1U << 14;
+
+OrderKTriangles wanted_triangles(const TriangulationView& tri, const VertexLinks& links, const UsefulEdges& edges,
+                                 int k, const Subdivision& subdivision, std::span<const std::uint8_t> wanted,
+                                 int num_workers) {
+  const OrderKTriangleFinder finder(tri, links, edges, k);
+  std::vector<OrderKTriangles> parts((edges.size() + kEdgeRange - 1) / kEdgeRange);
+  for_ranges(edges.size(), kEdgeRange, num_workers, [&] {
+    return [&](std::uint32_t begin, std::uint32_t end) {
+      parts[begin / kEdgeRange] = finder.find(begin, end, subdivision, wanted);
+    };
+  });
+  return concatenate(std::move(parts));
+}
+
 // Polygons with components go apart: what they cost depends on how few or many there are.
 void solve_all(const PolygonSource& source, std::span<const std::uint8_t> to_solve, int num_workers,
                std::span<std::array<VertexId, 3>> answer) {
@@ -196,17 +211,26 @@ Report run(const TriangulationView& tri, const VertexLinks& links, std::span<con
   const auto done = [&](const char* stage) { report.stages.emplace_back(stage, laps.lap()); };
   const UsefulEdges edges = all_edges(tri, links, k, num_workers);
   done("edges");
-  Crossings crossings = find_crossings(tri, edges);
+  Crossings crossings = no_crossings(tri, edges);
+  for_ranges(edges.size(), kEdgeRange, num_workers, [&] {
+    return [&](std::uint32_t begin, std::uint32_t end) { add_crossings(tri, edges, begin, end, crossings); };
+  });
   done("crossings");
   const Subdivision subdivision = subdivide(tri, crossings.crossed);
   done("subdivide");
-  const MinimaAssignment assignment = assign_minima(tri, links, edges, crossings, height);
+  const MinimaAssignment assignment = [&] {
+    MinimaAssigner assigner(tri, links, edges, crossings, height);
+    for_ranges(tri.num_vertices(), kGrowthRange, num_workers, [&] {
+      return [&](std::uint32_t begin, std::uint32_t end) { assigner.look_at_delaunay(VertexId{begin}, VertexId{end}); };
+    });
+    return assigner.finish();
+  }();
   std::vector<HalfedgeId>().swap(crossings.exit);
   done("minima");
   const auto to_solve =
       polygons_to_solve(tri, links, height, crossings, subdivision, Objective::local_minima, &assignment);
   done("choose");
-  const OrderKTriangles triangles = order_k_triangles(tri, links, edges, k, subdivision, to_solve);
+  const OrderKTriangles triangles = wanted_triangles(tri, links, edges, k, subdivision, to_solve, num_workers);
   done("triangles");
   const PolygonCandidates candidates = candidates_by_polygon(subdivision, triangles);
   done("candidates");

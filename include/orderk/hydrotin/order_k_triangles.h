@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "hydrotin/subdivision.h"
@@ -52,13 +54,42 @@ struct OrderKTriangles {
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(vertices.size()); }
 };
 
-/// The non-Delaunay order-k triangles met from the given edges. O(E k (k + degree)).
+/// Finds the non-Delaunay order-k triangles met from ranges of edges, concurrently if asked so.
+class OrderKTriangleFinder {
+ public:
+  /// O(n + E).
+  OrderKTriangleFinder(const TriangulationView& triangulation, const VertexLinks& links, const UsefulEdges& edges,
+                       int k);
+
+  /// Those met first from the edges [begin, end). O(E k (k + degree)).
+  [[nodiscard]] OrderKTriangles find(std::uint32_t begin, std::uint32_t end) const;
+  /// The same, inside some polygons of the subdivision only: those with a 1 in `wanted` [F].
+  [[nodiscard]] OrderKTriangles find(std::uint32_t begin, std::uint32_t end, const Subdivision& subdivision,
+                                     std::span<const std::uint8_t> wanted) const;
+
+ private:
+  template <class Wanted>
+  [[nodiscard]] OrderKTriangles find_wanted(std::uint32_t begin, std::uint32_t end, Wanted wanted) const;
+  void visit(std::uint32_t e, bool right, OrderKTriangles& out) const;
+  [[nodiscard]] bool is_empty(std::uint32_t e, bool right, std::size_t rank) const;
+  [[nodiscard]] std::optional<std::size_t> order_of(std::uint32_t e, bool right, std::size_t rank) const;
+  [[nodiscard]] bool met_before(std::uint32_t e, VertexId w) const;
+  [[nodiscard]] bool is_met_from(std::uint32_t leg, VertexId q) const;
+  [[nodiscard]] bool is_useful(VertexId p, VertexId q) const;
+  void add(std::uint32_t e, bool right, VertexId w, std::size_t order, OrderKTriangles& out) const;
+  [[nodiscard]] LatticePoint at(VertexId v) const { return tri_.position[v]; }
+
+  TriangulationView tri_;
+  const UsefulEdges& edges_;
+  UsefulEdgeIndex index_;
+  std::size_t k_;
+};
+
+/// Puts what was found in consecutive ranges of edges together; `parts` are freed on the way. O(C).
+[[nodiscard]] OrderKTriangles concatenate(std::vector<OrderKTriangles> parts);
+
+/// The non-Delaunay order-k triangles met from all edges. O(E k (k + degree)).
 [[nodiscard]] OrderKTriangles order_k_triangles(const TriangulationView& triangulation, const VertexLinks& links,
                                                 const UsefulEdges& edges, int k);
-
-/// The same, inside some polygons of the subdivision only: those with a 1 in `wanted` [F].
-[[nodiscard]] OrderKTriangles order_k_triangles(const TriangulationView& triangulation, const VertexLinks& links,
-                                                const UsefulEdges& edges, int k, const Subdivision& subdivision,
-                                                std::span<const std::uint8_t> wanted);
 
 }  // namespace hydrotin

@@ -178,26 +178,13 @@ UsefulEdges all_edges(const TriangulationView& tri, const VertexLinks& links, in
 
 constexpr std::uint32_t kEdgeRange = 1U << 14;
 
-OrderKTriangles wanted_triangles(const TriangulationView& tri, const VertexLinks& links, const UsefulEdges& edges,
-                                 int k, const Subdivision& subdivision, std::span<const std::uint8_t> wanted,
-                                 int num_workers) {
-  const OrderKTriangleFinder finder(tri, links, edges, k);
-  std::vector<OrderKTriangles> parts((edges.size() + kEdgeRange - 1) / kEdgeRange);
-  for_ranges(edges.size(), kEdgeRange, num_workers, [&] {
-    return [&](std::uint32_t begin, std::uint32_t end) {
-      parts[begin / kEdgeRange] = finder.find(begin, end, subdivision, wanted);
-    };
-  });
-  return concatenate(std::move(parts));
-}
-
 // Polygons with components go apart: what they cost depends on how few or many there are.
-void solve_all(const PolygonSource& source, std::span<const std::uint8_t> to_solve, int num_workers,
-               std::span<std::array<VertexId, 3>> answer) {
+void solve_all(const PolygonSource& source, std::span<const std::uint8_t> to_solve, const OrderKTriangleFinder& finder,
+               const EdgesByPolygon& edges, int num_workers, std::span<std::array<VertexId, 3>> answer) {
   for_ranges(source.subdivision.size(), 1024, num_workers, [&] {
     return [&, extractor = std::make_unique<PolygonExtractor>(source),
             solver = std::make_unique<PolygonSolver>(Objective::local_minima)](std::uint32_t begin, std::uint32_t end) {
-      solve_polygons(source, to_solve, begin, end, *extractor, *solver, answer);
+      solve_polygons(source, to_solve, finder, edges, begin, end, *extractor, *solver, answer);
     };
   });
 }
@@ -227,25 +214,27 @@ Report run(const TriangulationView& tri, const VertexLinks& links, std::span<con
   }();
   std::vector<HalfedgeId>().swap(crossings.exit);
   done("minima");
-  const auto to_solve =
-      polygons_to_solve(tri, links, height, crossings, subdivision, Objective::local_minima, &assignment);
+  auto to_solve = polygons_to_solve(tri, links, height, crossings, subdivision, Objective::local_minima, &assignment);
   done("choose");
-  const OrderKTriangles triangles = wanted_triangles(tri, links, edges, k, subdivision, to_solve, num_workers);
-  done("triangles");
-  const PolygonCandidates candidates = candidates_by_polygon(subdivision, triangles);
-  done("candidates");
-  const PolygonSource source{tri, height, crossings, subdivision, triangles, candidates, &assignment};
+  const OrderKTriangleFinder finder(tri, links, edges, k);
+  const EdgesByPolygon polygon_edges = edges_by_polygon(subdivision, edges, to_solve);
+  done("edge lists");
+  const OrderKTriangles no_triangles;
+  const PolygonCandidates no_candidates;
+  const PolygonSource source{tri, height, crossings, subdivision, no_triangles, no_candidates, &assignment};
   std::vector<std::array<VertexId, 3>> answer(tri.num_triangles());
-  std::vector<std::uint8_t> simple = to_solve, hard = to_solve;
-  for (std::uint32_t f = 0; f < subdivision.size(); ++f) (subdivision.components[f] > 0 ? simple : hard)[f] = 0;
-  solve_all(source, simple, num_workers, answer);
+  std::vector<std::uint8_t> hard(subdivision.size());
+  for (std::uint32_t f = 0; f < subdivision.size(); ++f)
+    if (to_solve[f] && subdivision.components[f] > 0) std::swap(hard[f], to_solve[f]);
+  solve_all(source, to_solve, finder, polygon_edges, num_workers, answer);
   done("polygons");
-  report.solved = static_cast<std::uint32_t>(std::count(to_solve.begin(), to_solve.end(), 1));
   PolygonExtractor extractor(source);
   PolygonSolver solver(Objective::local_minima);
   for (std::uint32_t f = 0; f < subdivision.size(); ++f)
-    if (hard[f]) solve_polygons(source, hard, f, f + 1, extractor, solver, answer);
+    if (hard[f]) solve_polygons(source, hard, finder, polygon_edges, f, f + 1, extractor, solver, answer);
   done("components");
+  report.solved = static_cast<std::uint32_t>(std::count(to_solve.begin(), to_solve.end(), 1) +
+                                             std::count(hard.begin(), hard.end(), 1));
   report.bytes = static_cast<double>(bytes_at_peak - before);
   report.edges = edges.size();
   report.polygons = subdivision.size();

@@ -77,6 +77,28 @@ Answer solve(const Scene& s, Objective objective, const std::vector<std::uint8_t
   return out;
 }
 
+// The same with triangles made one polygon at a time.
+Answer solve_by_edges(const Scene& s, Objective objective, const std::vector<std::uint8_t>& to_solve, int k) {
+  const OrderKTriangles no_triangles;
+  const PolygonCandidates no_candidates;
+  const PolygonSource source{s.tri,
+                             s.height,
+                             s.crossings,
+                             s.subdivision,
+                             no_triangles,
+                             no_candidates,
+                             objective == Objective::local_minima ? &s.assignment : nullptr};
+  PolygonExtractor extractor(source);
+  PolygonSolver solver(objective);
+  Answer out;
+  out.triangles.resize(s.tri.num_triangles());
+  out.max_order = solve_polygons(source, to_solve, OrderKTriangleFinder(s.tri, s.links, s.edges, k),
+                                 edges_by_polygon(s.subdivision, s.edges, to_solve), 0, s.subdivision.size(), extractor,
+                                 solver, out.triangles)
+                      .max_order;
+  return out;
+}
+
 std::vector<std::vector<LatticePoint>> clouds(std::uint64_t seed) {
   std::vector<std::vector<LatticePoint>> out;
   for (const auto kind : {testing::CloudKind::uniform, testing::CloudKind::lattice, testing::CloudKind::jittered,
@@ -109,6 +131,9 @@ TEST(PolygonBatch, LeavingPolygonsOutChangesNothing) {
             EXPECT_EQ(found.ids().size(), s.tri.num_triangles());
             EXPECT_EQ(found.max_order, expected.max_order);
           }
+          const Answer by_edges = solve_by_edges(s, objective, to_solve, k);
+          EXPECT_EQ(by_edges.ids(), expected.ids());
+          EXPECT_EQ(by_edges.max_order, expected.max_order);
           if (objective == Objective::local_minima) {
             const auto count = static_cast<std::size_t>(std::count(to_solve.begin(), to_solve.end(), 1));
             solved += count;

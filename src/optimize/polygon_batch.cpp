@@ -93,9 +93,27 @@ std::vector<std::uint8_t> polygons_to_solve(const TriangulationView& tri, const 
   return out;
 }
 
-BatchFigures solve_polygons(const PolygonSource& source, std::span<const std::uint8_t> to_solve, std::uint32_t begin,
-                            std::uint32_t end, PolygonExtractor& extractor, PolygonSolver& solver,
-                            std::span<std::array<VertexId, 3>> triangles) {
+EdgesByPolygon edges_by_polygon(const Subdivision& subdivision, const UsefulEdges& edges,
+                                std::span<const std::uint8_t> wanted) {
+  EdgesByPolygon out;
+  out.begin.resize(subdivision.size() + 1);
+  const auto polygon = [&](std::uint32_t e) { return subdivision.polygon[triangle_of(edges.entry[e]).value]; };
+  for (std::uint32_t e = 0; e < edges.size(); ++e) out.begin[polygon(e)] += wanted[polygon(e)];
+  std::partial_sum(out.begin.begin(), out.begin.end(), out.begin.begin());
+  out.edge.resize(out.begin.back());
+  // Backwards, so that `begin` ends up where the edges of a polygon do.
+  for (std::uint32_t e = edges.size(); e-- > 0;)
+    if (wanted[polygon(e)]) out.edge[--out.begin[polygon(e)]] = e;
+  return out;
+}
+
+namespace {
+
+// Solves a range of polygons; `problem_of(f)` cuts one out.
+template <class ProblemOf>
+BatchFigures solve_range(const PolygonSource& source, std::span<const std::uint8_t> to_solve, std::uint32_t begin,
+                         std::uint32_t end, const PolygonExtractor& extractor, PolygonSolver& solver,
+                         std::span<std::array<VertexId, 3>> triangles, ProblemOf problem_of) {
   const TriangulationView& tri = source.triangulation;
   BatchFigures figures;
   std::vector<std::array<std::uint32_t, 3>> answer;
@@ -109,7 +127,7 @@ BatchFigures solve_polygons(const PolygonSource& source, std::span<const std::ui
       continue;
     }
     answer.clear();
-    const PolygonResult result = solver.solve(extractor.extract(f), answer);
+    const PolygonResult result = solver.solve(problem_of(f), answer);
     assert(answer.size() == source.subdivision.triangles_of(f).size());
     const auto vertex = extractor.vertices();
     for (const auto& t : answer) *out++ = {vertex[t[0]], vertex[t[1]], vertex[t[2]]};
@@ -117,6 +135,28 @@ BatchFigures solve_polygons(const PolygonSource& source, std::span<const std::ui
     figures.fallbacks += !result.optimal && result.ways > 1;
   }
   return figures;
+}
+
+}  // namespace
+
+BatchFigures solve_polygons(const PolygonSource& source, std::span<const std::uint8_t> to_solve, std::uint32_t begin,
+                            std::uint32_t end, PolygonExtractor& extractor, PolygonSolver& solver,
+                            std::span<std::array<VertexId, 3>> triangles) {
+  return solve_range(source, to_solve, begin, end, extractor, solver, triangles,
+                     [&](std::uint32_t f) -> const PolygonProblem& { return extractor.extract(f); });
+}
+
+BatchFigures solve_polygons(const PolygonSource& source, std::span<const std::uint8_t> to_solve,
+                            const OrderKTriangleFinder& finder, const EdgesByPolygon& edges, std::uint32_t begin,
+                            std::uint32_t end, PolygonExtractor& extractor, PolygonSolver& solver,
+                            std::span<std::array<VertexId, 3>> triangles) {
+  OrderKTriangles others;
+  return solve_range(source, to_solve, begin, end, extractor, solver, triangles,
+                     [&](std::uint32_t f) -> const PolygonProblem& {
+                       others.clear();
+                       finder.find(edges.of(f), others);
+                       return extractor.extract(f, others);
+                     });
 }
 
 PolygonExtractor::PolygonExtractor(const PolygonSource& source) : source_(source) {}
@@ -132,7 +172,7 @@ std::uint32_t PolygonExtractor::local(VertexId v) {
   return slot_[i] - 1;
 }
 
-const PolygonProblem& PolygonExtractor::extract(std::uint32_t f) {
+void PolygonExtractor::extract_delaunay(std::uint32_t f) {
   const TriangulationView& tri = source_.triangulation;
   // A polygon of T triangles has at most T + 2 vertices.
   slot_.assign(std::bit_ceil(2 * source_.subdivision.triangles_of(f).size() + 4), 0);
@@ -151,11 +191,14 @@ const PolygonProblem& PolygonExtractor::extract(std::uint32_t f) {
       if (!source_.crossings.crossed[h.value + i]) mask = static_cast<std::uint8_t>(mask | 1U << i);
     fixed_.push_back(mask);
   }
-  for (std::uint32_t i = source_.candidates.begin[f]; i < source_.candidates.begin[f + 1]; ++i) {
-    const auto& v = source_.triangles.vertices[source_.candidates.candidate[i]];
-    others_.push_back({local(v[0]), local(v[1]), local(v[2])});
-    others_order_.push_back(source_.triangles.order[source_.candidates.candidate[i]]);
-  }
+}
+
+void PolygonExtractor::add_other(const std::array<VertexId, 3>& triangle, std::uint8_t order) {
+  others_.push_back({local(triangle[0]), local(triangle[1]), local(triangle[2])});
+  others_order_.push_back(order);
+}
+
+const PolygonProblem& PolygonExtractor::finish(std::uint32_t f) {
   wants_lower_.assign(vertices_.size(), 0);
   if (source_.assignment)
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
@@ -165,6 +208,21 @@ const PolygonProblem& PolygonExtractor::extract(std::uint32_t f) {
   problem_ = {position_, height_, wants_lower_,  delaunay_,
               fixed_,    others_, others_order_, source_.subdivision.components[f]};
   return problem_;
+}
+
+const PolygonProblem& PolygonExtractor::extract(std::uint32_t f) {
+  extract_delaunay(f);
+  for (std::uint32_t i = source_.candidates.begin[f]; i < source_.candidates.begin[f + 1]; ++i) {
+    const std::uint32_t c = source_.candidates.candidate[i];
+    add_other(source_.triangles.vertices[c], source_.triangles.order[c]);
+  }
+  return finish(f);
+}
+
+const PolygonProblem& PolygonExtractor::extract(std::uint32_t f, const OrderKTriangles& others) {
+  extract_delaunay(f);
+  for (std::uint32_t c = 0; c < others.size(); ++c) add_other(others.vertices[c], others.order[c]);
+  return finish(f);
 }
 
 }  // namespace hydrotin

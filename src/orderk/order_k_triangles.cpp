@@ -143,6 +143,13 @@ OrderKTriangles OrderKTriangleFinder::find(std::uint32_t begin, std::uint32_t en
   });
 }
 
+void OrderKTriangleFinder::find(std::span<const std::uint32_t> edges_of_polygon, OrderKTriangles& out) const {
+  for (const std::uint32_t e : edges_of_polygon) {
+    visit(e, true, out);
+    visit(e, false, out);
+  }
+}
+
 OrderKTriangles concatenate(std::vector<OrderKTriangles> parts) {
   OrderKTriangles out;
   std::size_t size = 0;

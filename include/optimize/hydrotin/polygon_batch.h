@@ -25,6 +25,20 @@ struct PolygonCandidates {
 
 [[nodiscard]] PolygonCandidates candidates_by_polygon(const Subdivision& subdivision, const OrderKTriangles& triangles);
 
+/// The useful edges of some polygons (CSR): edge[begin[f] .. begin[f + 1]) are numbers of edges, ascending.
+struct EdgesByPolygon {
+  std::vector<std::uint32_t> begin;  ///< [F + 1]
+  std::vector<std::uint32_t> edge;   ///< [edges of the wanted polygons]
+
+  [[nodiscard]] std::span<const std::uint32_t> of(std::uint32_t f) const {
+    return std::span(edge).subspan(begin[f], begin[f + 1] - begin[f]);
+  }
+};
+
+/// Those of the polygons with a 1 in `wanted` [F]. O(E + F).
+[[nodiscard]] EdgesByPolygon edges_by_polygon(const Subdivision& subdivision, const UsefulEdges& edges,
+                                              std::span<const std::uint8_t> wanted);
+
 /// Everything known about a triangulation that its polygons need.
 struct PolygonSource {
   TriangulationView triangulation;
@@ -54,10 +68,15 @@ class PolygonExtractor {
 
   /// The problem of polygon f; valid until the next call. `vertices()` maps its vertices back.
   const PolygonProblem& extract(std::uint32_t f);
+  /// The same with order-k triangles given: `triangles` and `candidates` of the source are not looked at.
+  const PolygonProblem& extract(std::uint32_t f, const OrderKTriangles& others);
   [[nodiscard]] std::span<const VertexId> vertices() const { return vertices_; }
 
  private:
   std::uint32_t local(VertexId v);
+  void extract_delaunay(std::uint32_t f);
+  void add_other(const std::array<VertexId, 3>& triangle, std::uint8_t order);
+  const PolygonProblem& finish(std::uint32_t f);
 
   const PolygonSource& source_;
   PolygonProblem problem_;
@@ -82,6 +101,14 @@ struct BatchFigures {
 /// @param to_solve   [F] of `polygons_to_solve`; the order-k triangles of the others need not be there
 /// @param triangles  [T]
 BatchFigures solve_polygons(const PolygonSource& source, std::span<const std::uint8_t> to_solve, std::uint32_t begin,
+                            std::uint32_t end, PolygonExtractor& extractor, PolygonSolver& solver,
+                            std::span<std::array<VertexId, 3>> triangles);
+
+/// The same with the order-k triangles made where they are needed, one polygon at a time: no more than the edges has to
+/// be kept for all polygons. `triangles` and `candidates` of the source are not looked at.
+/// @param edges  at least the edges of the polygons to solve
+BatchFigures solve_polygons(const PolygonSource& source, std::span<const std::uint8_t> to_solve,
+                            const OrderKTriangleFinder& finder, const EdgesByPolygon& edges, std::uint32_t begin,
                             std::uint32_t end, PolygonExtractor& extractor, PolygonSolver& solver,
                             std::span<std::array<VertexId, 3>> triangles);
 

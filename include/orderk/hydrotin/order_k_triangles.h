@@ -52,6 +52,11 @@ struct OrderKTriangles {
   std::vector<HalfedgeId> entry;                  ///< [C] a half-edge crossed by one of its edges
 
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(vertices.size()); }
+  void clear() {
+    vertices.clear();
+    order.clear();
+    entry.clear();
+  }
 };
 
 /// Finds the non-Delaunay order-k triangles met from ranges of edges, concurrently if asked so.
@@ -63,7 +68,9 @@ class OrderKTriangleFinder {
 
   /// Those met first from the edges [begin, end). O(E k (k + degree)).
   [[nodiscard]] OrderKTriangles find(std::uint32_t begin, std::uint32_t end) const;
-  /// The same, inside some polygons of the subdivision only: those with a 1 in `wanted` [F].
+  /// Appends those of one polygon of the subdivision, given the numbers of all its edges, ascending.
+  void find(std::span<const std::uint32_t> edges_of_polygon, OrderKTriangles& out) const;
+  /// Those of a range of edges inside some polygons of the subdivision only: those with a 1 in `wanted` [F].
   [[nodiscard]] OrderKTriangles find(std::uint32_t begin, std::uint32_t end, const Subdivision& subdivision,
                                      std::span<const std::uint8_t> wanted) const;
 

@@ -145,6 +145,28 @@ TEST(PolygonBatch, LeavingPolygonsOutChangesNothing) {
   EXPECT_GT(left_out, 1000U);
 }
 
+// A piece of a polygon is given triangles with corners in other pieces: here one polygon is given all triangles.
+TEST(PolygonBatch, TakesTrianglesWithCornersElsewhere) {
+  const auto points = testing::distinct(testing::make_cloud(testing::CloudKind::uniform, 1, 400, 300));
+  const Scene s(points, testing::random_heights(1, points.size(), 1000), 3);
+  const OrderKTriangles all = order_k_triangles(s.tri, s.links, s.edges, 3);
+  PolygonCandidates candidates;
+  candidates.begin.assign(s.subdivision.size() + 1, all.size());
+  candidates.begin[0] = 0;
+  for (std::uint32_t c = 0; c < all.size(); ++c) candidates.candidate.push_back(c);
+  const PolygonSource source{s.tri, s.height, s.crossings, s.subdivision, all, candidates, &s.assignment};
+  PolygonExtractor extractor(source);
+  for (int round = 0; round < 2; ++round) {
+    const PolygonProblem& problem = extractor.extract(0);
+    ASSERT_EQ(problem.others.size(), all.size());
+    std::set<std::uint32_t> met;
+    for (const VertexId v : extractor.vertices()) EXPECT_TRUE(met.insert(v.value).second);
+    for (std::uint32_t c = 0; c < all.size(); ++c)
+      for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(extractor.vertices()[problem.others[c][i]], all.vertices[c][i]);
+    EXPECT_EQ(extractor.extract(s.subdivision.size() - 1).others.size(), 0U);
+  }
+}
+
 TEST(PolygonBatch, EqualsTheTriangulationOfThePointSet) {
   for (std::uint64_t seed = 0; seed < 10; ++seed)
     for (const auto& points : clouds(seed)) {

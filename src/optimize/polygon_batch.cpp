@@ -161,6 +161,15 @@ BatchFigures solve_polygons(const PolygonSource& source, std::span<const std::ui
 
 PolygonExtractor::PolygonExtractor(const PolygonSource& source) : source_(source) {}
 
+void PolygonExtractor::make_slots(std::size_t num_vertices) {
+  slot_.assign(std::bit_ceil(2 * num_vertices), 0);
+  for (std::uint32_t number = 1; number <= vertices_.size(); ++number) {
+    std::uint32_t i = slot_of(vertices_[number - 1], slot_.size());
+    while (slot_[i] != 0) i = (i + 1) & static_cast<std::uint32_t>(slot_.size() - 1);
+    slot_[i] = number;
+  }
+}
+
 std::uint32_t PolygonExtractor::local(VertexId v) {
   std::uint32_t i = slot_of(v, slot_.size());
   for (; slot_[i] != 0; i = (i + 1) & static_cast<std::uint32_t>(slot_.size() - 1))
@@ -168,15 +177,17 @@ std::uint32_t PolygonExtractor::local(VertexId v) {
   vertices_.push_back(v);
   position_.push_back(source_.triangulation.position[v]);
   height_.push_back(source_.height[v.value]);
-  slot_[i] = static_cast<std::uint32_t>(vertices_.size());
-  return slot_[i] - 1;
+  const auto number = static_cast<std::uint32_t>(vertices_.size());
+  slot_[i] = number;
+  // The triangles of a piece of a polygon may have corners in other pieces.
+  if (2 * vertices_.size() > slot_.size()) make_slots(2 * vertices_.size());
+  return number - 1;
 }
 
 void PolygonExtractor::extract_delaunay(std::uint32_t f) {
   const TriangulationView& tri = source_.triangulation;
-  // A polygon of T triangles has at most T + 2 vertices.
-  slot_.assign(std::bit_ceil(2 * source_.subdivision.triangles_of(f).size() + 4), 0);
   vertices_.clear();
+  make_slots(source_.subdivision.triangles_of(f).size() + 2);  // a polygon of T triangles has at most T + 2 vertices
   position_.clear();
   height_.clear();
   fixed_.clear();

@@ -74,6 +74,7 @@ class PolygonExtractor {
 
  private:
   std::uint32_t local(VertexId v);
+  void make_slots(std::size_t num_vertices);
   void extract_delaunay(std::uint32_t f);
   void add_other(const std::array<VertexId, 3>& triangle, std::uint8_t order);
   const PolygonProblem& finish(std::uint32_t f);

@@ -214,7 +214,13 @@ Report run(const TriangulationView& tri, const VertexLinks& links, std::span<con
   }();
   std::vector<HalfedgeId>().swap(crossings.exit);
   done("minima");
-  auto to_solve = polygons_to_solve(tri, links, height, crossings, subdivision, Objective::local_minima, &assignment);
+  auto to_solve = [&] {
+    PolygonChooser chooser(tri, links, height, crossings, subdivision, Objective::local_minima, &assignment);
+    for_ranges(tri.num_vertices(), kGrowthRange, num_workers, [&] {
+      return [&](std::uint32_t begin, std::uint32_t end) { chooser.look_at(VertexId{begin}, VertexId{end}); };
+    });
+    return chooser.finish();
+  }();
   done("choose");
   const OrderKTriangleFinder finder(tri, links, edges, k);
   const EdgesByPolygon polygon_edges = edges_by_polygon(subdivision, edges, to_solve);

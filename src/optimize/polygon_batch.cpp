@@ -1,6 +1,7 @@
 #include "hydrotin/polygon_batch.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cassert>
 #include <numeric>
@@ -21,48 +22,9 @@ PolygonCandidates candidates_by_polygon(const Subdivision& subdivision, const Or
 
 namespace {
 
-// Tells whether the Delaunay triangles of polygons serve their vertices.
-class DelaunayService {
- public:
-  DelaunayService(const TriangulationView& tri, const VertexLinks& links, std::span<const std::int32_t> height,
-                  const Crossings& crossings, const Subdivision& subdivision)
-      : tri_(tri), links_(links), height_(height), crossings_(crossings), subdivision_(subdivision) {}
-
-  // Whether an inner Delaunay edge of polygon f leads down from v.
-  [[nodiscard]] bool serves(VertexId v, std::uint32_t f) const {
-    for (std::uint32_t i = links_.begin[v.value]; i < links_.begin[v.value + 1]; ++i) {
-      const HalfedgeId spoke = links_.spoke[i];
-      if (spoke.is_none() || !crossings_.crossed[spoke.value]) continue;
-      const VertexId w = links_.neighbor[i];
-      if (is_lower(height_[w.value], tri_.position[w], height_[v.value], tri_.position[v]) &&
-          subdivision_.polygon[triangle_of(spoke).value] == f)
-        return true;
-    }
-    return false;
-  }
-
-  // Whether the dynamic program for f counts a vertex more than once, on a slit or where f touches itself: then it may
-  // prefer another triangulation.
-  [[nodiscard]] bool has_repeated_vertices(std::uint32_t f) {
-    const auto triangles = subdivision_.triangles_of(f);
-    if (subdivision_.components[f] > 0) return true;
-    if (triangles.size() < 3) return false;
-    vertices_.clear();
-    for (const TriangleId t : triangles)
-      for (HalfedgeId h = first_halfedge(t); triangle_of(h) == t; ++h.value) vertices_.push_back(tri_.origin[h]);
-    std::sort(vertices_.begin(), vertices_.end());
-    const auto num_vertices = std::unique(vertices_.begin(), vertices_.end()) - vertices_.begin();
-    return static_cast<std::size_t>(num_vertices) != triangles.size() + 2;
-  }
-
- private:
-  const TriangulationView& tri_;
-  const VertexLinks& links_;
-  std::span<const std::int32_t> height_;
-  const Crossings& crossings_;
-  const Subdivision& subdivision_;
-  std::vector<VertexId> vertices_;  // scratch
-};
+// What the vertices that a polygon is to save want of it: bits.
+constexpr std::uint8_t kServed = 1;    // some have what they want from the Delaunay triangles
+constexpr std::uint8_t kUnserved = 2;  // some have not
 
 std::uint32_t slot_of(VertexId v, std::size_t num_slots) {
   return (v.value * 0x9e3779b1U) >> (32 - std::countr_zero(num_slots));
@@ -70,27 +32,78 @@ std::uint32_t slot_of(VertexId v, std::size_t num_slots) {
 
 }  // namespace
 
+PolygonChooser::PolygonChooser(const TriangulationView& triangulation, const VertexLinks& links,
+                               std::span<const std::int32_t> height, const Crossings& crossings,
+                               const Subdivision& subdivision, Objective objective, const MinimaAssignment* assignment)
+    : tri_(triangulation),
+      links_(links),
+      height_(height),
+      crossings_(crossings),
+      subdivision_(subdivision),
+      objective_(objective),
+      assignment_(assignment),
+      wish_(subdivision.size()) {}
+
+// Whether an inner Delaunay edge of polygon f leads down from v.
+bool PolygonChooser::delaunay_serves(VertexId v, std::uint32_t f) const {
+  for (std::uint32_t i = links_.begin[v.value]; i < links_.begin[v.value + 1]; ++i) {
+    const HalfedgeId spoke = links_.spoke[i];
+    if (spoke.is_none() || !crossings_.crossed[spoke.value]) continue;
+    const VertexId w = links_.neighbor[i];
+    if (is_lower(height_[w.value], tri_.position[w], height_[v.value], tri_.position[v]) &&
+        subdivision_.polygon[triangle_of(spoke).value] == f)
+      return true;
+  }
+  return false;
+}
+
+// Whether the dynamic program for f counts a vertex more than once, on a slit or where f touches itself: then it may
+// prefer another triangulation.
+bool PolygonChooser::has_repeated_vertices(std::uint32_t f) {
+  const auto triangles = subdivision_.triangles_of(f);
+  if (subdivision_.components[f] > 0) return true;
+  if (triangles.size() < 3) return false;
+  vertices_.clear();
+  for (const TriangleId t : triangles)
+    for (HalfedgeId h = first_halfedge(t); triangle_of(h) == t; ++h.value) vertices_.push_back(tri_.origin[h]);
+  std::sort(vertices_.begin(), vertices_.end());
+  const auto num_vertices = std::unique(vertices_.begin(), vertices_.end()) - vertices_.begin();
+  return static_cast<std::size_t>(num_vertices) != triangles.size() + 2;
+}
+
+void PolygonChooser::look_at(VertexId begin, VertexId end) {
+  if (objective_ != Objective::local_minima) return;
+  for (VertexId v = begin; v < end; ++v.value) {
+    const TriangleId where = assignment_->where[v.value];
+    if (where.is_none()) continue;
+    const std::uint32_t f = subdivision_.polygon[where.value];
+    // Vertices of several ranges may lie in one polygon.
+    const std::atomic_ref<std::uint8_t> wish(wish_[f]);
+    if (wish.load(std::memory_order_relaxed) & kUnserved) continue;
+    wish.fetch_or(delaunay_serves(v, f) ? kServed : kUnserved, std::memory_order_relaxed);
+  }
+}
+
+std::vector<std::uint8_t> PolygonChooser::finish() {
+  std::vector<std::uint8_t> out = std::move(wish_);
+  for (std::uint32_t f = 0; f < out.size(); ++f) {
+    if (objective_ == Objective::delaunay)
+      out[f] = 0;
+    else if (objective_ != Objective::local_minima)
+      out[f] = subdivision_.triangles_of(f).size() > 1;
+    else
+      out[f] = (out[f] & kUnserved) || (out[f] == kServed && has_repeated_vertices(f));
+  }
+  return out;
+}
+
 std::vector<std::uint8_t> polygons_to_solve(const TriangulationView& tri, const VertexLinks& links,
                                             std::span<const std::int32_t> height, const Crossings& crossings,
                                             const Subdivision& subdivision, Objective objective,
                                             const MinimaAssignment* assignment) {
-  std::vector<std::uint8_t> out(subdivision.size());
-  if (objective == Objective::delaunay) return out;
-  if (objective != Objective::local_minima) {
-    for (std::uint32_t f = 0; f < out.size(); ++f) out[f] = subdivision.triangles_of(f).size() > 1;
-    return out;
-  }
-  constexpr std::uint8_t kServed = 2;  // somebody wants, but the Delaunay triangles do for all
-  DelaunayService delaunay(tri, links, height, crossings, subdivision);
-  for (VertexId v{0}; v.value < tri.num_vertices(); ++v.value) {
-    const TriangleId where = assignment->where[v.value];
-    if (where.is_none()) continue;
-    const std::uint32_t f = subdivision.polygon[where.value];
-    if (out[f] != 1) out[f] = delaunay.serves(v, f) ? kServed : 1;
-  }
-  for (std::uint32_t f = 0; f < out.size(); ++f)
-    if (out[f] == kServed) out[f] = delaunay.has_repeated_vertices(f);
-  return out;
+  PolygonChooser chooser(tri, links, height, crossings, subdivision, objective, assignment);
+  chooser.look_at(VertexId{0}, VertexId{tri.num_vertices()});
+  return chooser.finish();
 }
 
 EdgesByPolygon edges_by_polygon(const Subdivision& subdivision, const UsefulEdges& edges,

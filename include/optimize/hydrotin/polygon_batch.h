@@ -61,6 +61,33 @@ struct PolygonSource {
                                                           const Crossings& crossings, const Subdivision& subdivision,
                                                           Objective objective, const MinimaAssignment* assignment);
 
+/// The same in steps, the first of which may be taken for ranges of vertices concurrently.
+class PolygonChooser {
+ public:
+  PolygonChooser(const TriangulationView& triangulation, const VertexLinks& links, std::span<const std::int32_t> height,
+                 const Crossings& crossings, const Subdivision& subdivision, Objective objective,
+                 const MinimaAssignment* assignment);
+
+  /// Looks at what the vertices [begin, end) want.
+  void look_at(VertexId begin, VertexId end);
+  /// The polygons to solve, after all vertices have been looked at.
+  [[nodiscard]] std::vector<std::uint8_t> finish();
+
+ private:
+  [[nodiscard]] bool delaunay_serves(VertexId v, std::uint32_t f) const;
+  [[nodiscard]] bool has_repeated_vertices(std::uint32_t f);
+
+  TriangulationView tri_;
+  const VertexLinks& links_;
+  std::span<const std::int32_t> height_;
+  const Crossings& crossings_;
+  const Subdivision& subdivision_;
+  Objective objective_;
+  const MinimaAssignment* assignment_;
+  std::vector<std::uint8_t> wish_;  // [F] of the vertices that it is to save
+  std::vector<VertexId> vertices_;  // scratch
+};
+
 /// Copies one polygon at a time into local arrays. Its scratch memory is that of the largest polygon so far.
 class PolygonExtractor {
  public:

@@ -1,1 +1,2 @@
 hydrotin_test(orderk_test SOURCES orderk_test.cpp DEPENDS orderk)
+hydrotin_test(lemma_2_1_test SOURCES lemma_2_1_test.cpp DEPENDS orderk)

@@ -34,6 +34,8 @@ class TilePolygons {
     distribute();
     if (objective == Objective::local_minima)
       assignment_ = assign_minima(tri_, tile.links, tile.edges, crossings_, height);
+    to_solve_ = polygons_to_solve(tri_, tile.links, height, crossings_, subdivision_, objective,
+                                  objective == Objective::local_minima ? &assignment_ : nullptr);
     source_ =
         std::make_unique<PolygonSource>(PolygonSource{tri_, height, crossings_, subdivision_, triangles_, candidates_,
                                                       objective == Objective::local_minima ? &assignment_ : nullptr});
@@ -47,6 +49,8 @@ class TilePolygons {
     return tile_.owned[subdivision_.triangles_of(f).front().value] != 0;
   }
   [[nodiscard]] bool crosses_border(std::uint32_t f) const { return border_[f] != 0; }
+  // Whether more than the Delaunay triangles of an owned polygon have to be looked at.
+  [[nodiscard]] bool is_to_solve(std::uint32_t f) const { return to_solve_[f] != 0; }
   [[nodiscard]] bool is_border(HalfedgeId h) const {
     return crossings_.crossed[h.value] && tile_.owned[triangle_of(h).value] &&
            !tile_.owned[triangle_of(tri_.twin[h]).value];
@@ -104,7 +108,7 @@ class TilePolygons {
   Crossings crossings_;
   Subdivision subdivision_;
   OrderKTriangles triangles_;
-  std::vector<std::uint8_t> border_;
+  std::vector<std::uint8_t> border_, to_solve_;
   PolygonCandidates candidates_;
   MinimaAssignment assignment_;
   std::unique_ptr<PolygonSource> source_;
@@ -131,22 +135,21 @@ class TileOutput {
     piece_of_.assign(polygons_.subdivision().size(), kUnused);
     for (std::uint32_t f = 0; f < polygons_.subdivision().size(); ++f) {
       if (!polygons_.is_owned(f)) continue;
-      const PolygonProblem& problem = extractor.extract(f);
       if (polygons_.crosses_border(f)) {
+        const PolygonProblem& problem = extractor.extract(f);
         piece_of_[f] = pieces_.add(piece(problem, extractor.vertices()));
         continue;
       }
-      answer_.clear();
-      const PolygonResult result = solver.solve(problem, answer_);
-      for (const auto& t : answer_)
-        for (const std::uint32_t v : t) triangle_.push_back(reference(extractor.vertices()[v]));
+      if (polygons_.is_to_solve(f))
+        solve(f, extractor, solver);
+      else
+        keep_delaunay(f);
+      const Subdivision& subdivision = polygons_.subdivision();
       ++figures_.polygons;
-      figures_.components += problem.components;
-      figures_.max_components = std::max<std::int64_t>(figures_.max_components, problem.components);
+      figures_.components += subdivision.components[f];
+      figures_.max_components = std::max<std::int64_t>(figures_.max_components, subdivision.components[f]);
       figures_.max_polygon =
-          std::max<std::int64_t>(figures_.max_polygon, static_cast<std::int64_t>(problem.delaunay.size()));
-      figures_.max_order = std::max<std::int64_t>(figures_.max_order, result.max_order);
-      figures_.fallbacks += result.fell_back;
+          std::max<std::int64_t>(figures_.max_polygon, static_cast<std::int64_t>(subdivision.triangles_of(f).size()));
     }
     list_edges();
   }
@@ -171,6 +174,22 @@ class TileOutput {
 
  private:
   static constexpr std::uint32_t kUnused = static_cast<std::uint32_t>(-1);
+
+  void solve(std::uint32_t f, PolygonExtractor& extractor, PolygonSolver& solver) {
+    answer_.clear();
+    const PolygonResult result = solver.solve(extractor.extract(f), answer_);
+    for (const auto& t : answer_)
+      for (const std::uint32_t v : t) triangle_.push_back(reference(extractor.vertices()[v]));
+    figures_.max_order = std::max<std::int64_t>(figures_.max_order, result.max_order);
+    figures_.fallbacks += result.fell_back;
+  }
+
+  void keep_delaunay(std::uint32_t f) {
+    for (const TriangleId t : polygons_.subdivision().triangles_of(f)) {
+      const HalfedgeId h = first_halfedge(t);
+      for (const VertexId v : {tri_.origin[h], tri_.target(h), tri_.apex(h)}) triangle_.push_back(reference(v));
+    }
+  }
 
   std::uint32_t reference(VertexId v) {
     if (v.value < around_.num_own()) return v.value;

@@ -1,5 +1,9 @@
 #include "hydrotin/polygon_batch.h"
 
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cassert>
 #include <numeric>
 
 namespace hydrotin {
@@ -16,24 +20,187 @@ PolygonCandidates candidates_by_polygon(const Subdivision& subdivision, const Or
   return out;
 }
 
-PolygonExtractor::PolygonExtractor(const PolygonSource& source)
-    : source_(source), local_of_(source.triangulation.num_vertices()) {}
+namespace {
+
+// What the vertices that a polygon is to save want of it: bits.
+constexpr std::uint8_t kServed = 1;    // some have what they want from the Delaunay triangles
+constexpr std::uint8_t kUnserved = 2;  // some have not
+
+std::uint32_t slot_of(VertexId v, std::size_t num_slots) {
+  return (v.value * 0x9e3779b1U) >> (32 - std::countr_zero(num_slots));
+}
+
+}  // namespace
+
+PolygonChooser::PolygonChooser(const TriangulationView& triangulation, const VertexLinks& links,
+                               std::span<const std::int32_t> height, const Crossings& crossings,
+                               const Subdivision& subdivision, Objective objective, const MinimaAssignment* assignment)
+    : tri_(triangulation),
+      links_(links),
+      height_(height),
+      crossings_(crossings),
+      subdivision_(subdivision),
+      objective_(objective),
+      assignment_(assignment),
+      wish_(subdivision.size()) {}
+
+// Whether an inner Delaunay edge of polygon f leads down from v.
+bool PolygonChooser::delaunay_serves(VertexId v, std::uint32_t f) const {
+  for (std::uint32_t i = links_.begin[v.value]; i < links_.begin[v.value + 1]; ++i) {
+    const HalfedgeId spoke = links_.spoke[i];
+    if (spoke.is_none() || !crossings_.crossed[spoke.value]) continue;
+    const VertexId w = links_.neighbor[i];
+    if (is_lower(height_[w.value], tri_.position[w], height_[v.value], tri_.position[v]) &&
+        subdivision_.polygon[triangle_of(spoke).value] == f)
+      return true;
+  }
+  return false;
+}
+
+// Whether the dynamic program for f counts a vertex more than once, on a slit or where f touches itself: then it may
+// prefer another triangulation.
+bool PolygonChooser::has_repeated_vertices(std::uint32_t f) {
+  const auto triangles = subdivision_.triangles_of(f);
+  if (subdivision_.components[f] > 0) return true;
+  if (triangles.size() < 3) return false;
+  vertices_.clear();
+  for (const TriangleId t : triangles)
+    for (HalfedgeId h = first_halfedge(t); triangle_of(h) == t; ++h.value) vertices_.push_back(tri_.origin[h]);
+  std::sort(vertices_.begin(), vertices_.end());
+  const auto num_vertices = std::unique(vertices_.begin(), vertices_.end()) - vertices_.begin();
+  return static_cast<std::size_t>(num_vertices) != triangles.size() + 2;
+}
+
+void PolygonChooser::look_at(VertexId begin, VertexId end) {
+  if (objective_ != Objective::local_minima) return;
+  for (VertexId v = begin; v < end; ++v.value) {
+    const TriangleId where = assignment_->where[v.value];
+    if (where.is_none()) continue;
+    const std::uint32_t f = subdivision_.polygon[where.value];
+    // Vertices of several ranges may lie in one polygon.
+    const std::atomic_ref<std::uint8_t> wish(wish_[f]);
+    if (wish.load(std::memory_order_relaxed) & kUnserved) continue;
+    wish.fetch_or(delaunay_serves(v, f) ? kServed : kUnserved, std::memory_order_relaxed);
+  }
+}
+
+std::vector<std::uint8_t> PolygonChooser::finish() {
+  std::vector<std::uint8_t> out = std::move(wish_);
+  for (std::uint32_t f = 0; f < out.size(); ++f) {
+    if (objective_ == Objective::delaunay)
+      out[f] = 0;
+    else if (objective_ != Objective::local_minima)
+      out[f] = subdivision_.triangles_of(f).size() > 1;
+    else
+      out[f] = (out[f] & kUnserved) || (out[f] == kServed && has_repeated_vertices(f));
+  }
+  return out;
+}
+
+std::vector<std::uint8_t> polygons_to_solve(const TriangulationView& tri, const VertexLinks& links,
+                                            std::span<const std::int32_t> height, const Crossings& crossings,
+                                            const Subdivision& subdivision, Objective objective,
+                                            const MinimaAssignment* assignment) {
+  PolygonChooser chooser(tri, links, height, crossings, subdivision, objective, assignment);
+  chooser.look_at(VertexId{0}, VertexId{tri.num_vertices()});
+  return chooser.finish();
+}
+
+EdgesByPolygon edges_by_polygon(const Subdivision& subdivision, const UsefulEdges& edges,
+                                std::span<const std::uint8_t> wanted) {
+  EdgesByPolygon out;
+  out.begin.resize(subdivision.size() + 1);
+  const auto polygon = [&](std::uint32_t e) { return subdivision.polygon[triangle_of(edges.entry[e]).value]; };
+  for (std::uint32_t e = 0; e < edges.size(); ++e) out.begin[polygon(e)] += wanted[polygon(e)];
+  std::partial_sum(out.begin.begin(), out.begin.end(), out.begin.begin());
+  out.edge.resize(out.begin.back());
+  // Backwards, so that `begin` ends up where the edges of a polygon do.
+  for (std::uint32_t e = edges.size(); e-- > 0;)
+    if (wanted[polygon(e)]) out.edge[--out.begin[polygon(e)]] = e;
+  return out;
+}
+
+namespace {
+
+// Solves a range of polygons; `problem_of(f)` cuts one out.
+template <class ProblemOf>
+BatchFigures solve_range(const PolygonSource& source, std::span<const std::uint8_t> to_solve, std::uint32_t begin,
+                         std::uint32_t end, const PolygonExtractor& extractor, PolygonSolver& solver,
+                         std::span<std::array<VertexId, 3>> triangles, ProblemOf problem_of) {
+  const TriangulationView& tri = source.triangulation;
+  BatchFigures figures;
+  std::vector<std::array<std::uint32_t, 3>> answer;
+  for (std::uint32_t f = begin; f < end; ++f) {
+    auto* out = triangles.data() + source.subdivision.begin[f];
+    if (!to_solve[f]) {
+      for (const TriangleId t : source.subdivision.triangles_of(f)) {
+        const HalfedgeId h = first_halfedge(t);
+        *out++ = {tri.origin[h], tri.target(h), tri.apex(h)};
+      }
+      continue;
+    }
+    answer.clear();
+    const PolygonResult result = solver.solve(problem_of(f), answer);
+    assert(answer.size() == source.subdivision.triangles_of(f).size());
+    const auto vertex = extractor.vertices();
+    for (const auto& t : answer) *out++ = {vertex[t[0]], vertex[t[1]], vertex[t[2]]};
+    figures.max_order = std::max(figures.max_order, result.max_order);
+    figures.fallbacks += result.fell_back;
+  }
+  return figures;
+}
+
+}  // namespace
+
+BatchFigures solve_polygons(const PolygonSource& source, std::span<const std::uint8_t> to_solve, std::uint32_t begin,
+                            std::uint32_t end, PolygonExtractor& extractor, PolygonSolver& solver,
+                            std::span<std::array<VertexId, 3>> triangles) {
+  return solve_range(source, to_solve, begin, end, extractor, solver, triangles,
+                     [&](std::uint32_t f) -> const PolygonProblem& { return extractor.extract(f); });
+}
+
+BatchFigures solve_polygons(const PolygonSource& source, std::span<const std::uint8_t> to_solve,
+                            const OrderKTriangleFinder& finder, const EdgesByPolygon& edges, std::uint32_t begin,
+                            std::uint32_t end, PolygonExtractor& extractor, PolygonSolver& solver,
+                            std::span<std::array<VertexId, 3>> triangles) {
+  OrderKTriangles others;
+  return solve_range(source, to_solve, begin, end, extractor, solver, triangles,
+                     [&](std::uint32_t f) -> const PolygonProblem& {
+                       others.clear();
+                       finder.find(edges.of(f), others);
+                       return extractor.extract(f, others);
+                     });
+}
+
+PolygonExtractor::PolygonExtractor(const PolygonSource& source) : source_(source) {}
+
+void PolygonExtractor::make_slots(std::size_t num_vertices) {
+  slot_.assign(std::bit_ceil(2 * num_vertices), 0);
+  for (std::uint32_t number = 1; number <= vertices_.size(); ++number) {
+    std::uint32_t i = slot_of(vertices_[number - 1], slot_.size());
+    while (slot_[i] != 0) i = (i + 1) & static_cast<std::uint32_t>(slot_.size() - 1);
+    slot_[i] = number;
+  }
+}
 
 std::uint32_t PolygonExtractor::local(VertexId v) {
-  std::uint32_t& number = local_of_[v.value];
-  if (number == 0) {
-    vertices_.push_back(v);
-    position_.push_back(source_.triangulation.position[v]);
-    height_.push_back(source_.height[v.value]);
-    number = static_cast<std::uint32_t>(vertices_.size());
-  }
+  std::uint32_t i = slot_of(v, slot_.size());
+  for (; slot_[i] != 0; i = (i + 1) & static_cast<std::uint32_t>(slot_.size() - 1))
+    if (vertices_[slot_[i] - 1] == v) return slot_[i] - 1;
+  vertices_.push_back(v);
+  position_.push_back(source_.triangulation.position[v]);
+  height_.push_back(source_.height[v.value]);
+  const auto number = static_cast<std::uint32_t>(vertices_.size());
+  slot_[i] = number;
+  // The triangles of a piece of a polygon may have corners in other pieces.
+  if (2 * vertices_.size() > slot_.size()) make_slots(2 * vertices_.size());
   return number - 1;
 }
 
-const PolygonProblem& PolygonExtractor::extract(std::uint32_t f) {
+void PolygonExtractor::extract_delaunay(std::uint32_t f) {
   const TriangulationView& tri = source_.triangulation;
-  for (const VertexId v : vertices_) local_of_[v.value] = 0;
   vertices_.clear();
+  make_slots(source_.subdivision.triangles_of(f).size() + 2);  // a polygon of T triangles has at most T + 2 vertices
   position_.clear();
   height_.clear();
   fixed_.clear();
@@ -48,11 +215,14 @@ const PolygonProblem& PolygonExtractor::extract(std::uint32_t f) {
       if (!source_.crossings.crossed[h.value + i]) mask = static_cast<std::uint8_t>(mask | 1U << i);
     fixed_.push_back(mask);
   }
-  for (std::uint32_t i = source_.candidates.begin[f]; i < source_.candidates.begin[f + 1]; ++i) {
-    const auto& v = source_.triangles.vertices[source_.candidates.candidate[i]];
-    others_.push_back({local(v[0]), local(v[1]), local(v[2])});
-    others_order_.push_back(source_.triangles.order[source_.candidates.candidate[i]]);
-  }
+}
+
+void PolygonExtractor::add_other(const std::array<VertexId, 3>& triangle, std::uint8_t order) {
+  others_.push_back({local(triangle[0]), local(triangle[1]), local(triangle[2])});
+  others_order_.push_back(order);
+}
+
+const PolygonProblem& PolygonExtractor::finish(std::uint32_t f) {
   wants_lower_.assign(vertices_.size(), 0);
   if (source_.assignment)
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
@@ -82,11 +252,25 @@ void PolygonExtractor::add_reference(std::uint32_t f) {
 }
 
 const PolygonProblem& PolygonExtractor::adopt(std::span<const VertexId> vertices) {
-  for (const VertexId v : vertices) {
-    const std::uint32_t number = local_of_[v.value];
-    if (number != 0 && wants_lower_[number - 1] == 0) wants_lower_[number - 1] = 1;
-  }
+  for (std::size_t i = 0; i < vertices_.size(); ++i)
+    if (wants_lower_[i] == 0 && std::find(vertices.begin(), vertices.end(), vertices_[i]) != vertices.end())
+      wants_lower_[i] = 1;
   return problem_;
+}
+
+const PolygonProblem& PolygonExtractor::extract(std::uint32_t f) {
+  extract_delaunay(f);
+  for (std::uint32_t i = source_.candidates.begin[f]; i < source_.candidates.begin[f + 1]; ++i) {
+    const std::uint32_t c = source_.candidates.candidate[i];
+    add_other(source_.triangles.vertices[c], source_.triangles.order[c]);
+  }
+  return finish(f);
+}
+
+const PolygonProblem& PolygonExtractor::extract(std::uint32_t f, const OrderKTriangles& others) {
+  extract_delaunay(f);
+  for (std::uint32_t c = 0; c < others.size(); ++c) add_other(others.vertices[c], others.order[c]);
+  return finish(f);
 }
 
 }  // namespace hydrotin

@@ -1,5 +1,6 @@
 #include "hydrotin/subdivision.h"
 
+#include <atomic>
 #include <cassert>
 #include <numeric>
 
@@ -7,18 +8,34 @@
 
 namespace hydrotin {
 
-Crossings find_crossings(const TriangulationView& tri, const UsefulEdges& edges) {
+Crossings no_crossings(const TriangulationView& tri, const UsefulEdges& edges) {
   Crossings out;
   out.crossed.resize(tri.origin.size());
   out.exit.resize(edges.size());
-  for (std::uint32_t e = 0; e < edges.size(); ++e) {
+  return out;
+}
+
+Crossings find_crossings(const TriangulationView& tri, const UsefulEdges& edges) {
+  Crossings out = no_crossings(tri, edges);
+  add_crossings(tri, edges, 0, edges.size(), out);
+  return out;
+}
+
+void add_crossings(const TriangulationView& tri, const UsefulEdges& edges, std::uint32_t begin, std::uint32_t end,
+                   Crossings& out) {
+  // Several edges cross the same half-edge, and all say the same of it.
+  const auto mark = [&](HalfedgeId h) {
+    std::atomic_ref<std::uint8_t>(out.crossed[h.value]).store(1, std::memory_order_relaxed);
+  };
+  for (std::uint32_t e = begin; e < end; ++e) {
     const VertexId b = edges.b[e];
     const LatticePoint at_a = tri.position[edges.a[e]], at_b = tri.position[b];
     HalfedgeId h = edges.entry[e];
     for (;;) {
       const HalfedgeId twin = tri.twin[h];
       assert(!twin.is_none() && "a useful edge never leaves the hull");
-      out.crossed[h.value] = out.crossed[twin.value] = 1;
+      mark(h);
+      mark(twin);
       const VertexId apex = tri.apex(twin);
       if (apex == b) {
         out.exit[e] = twin;
@@ -30,7 +47,6 @@ Crossings find_crossings(const TriangulationView& tri, const UsefulEdges& edges)
       h = apex_is_left == origin_is_left ? next(twin) : previous(twin);
     }
   }
-  return out;
 }
 
 Subdivision subdivide(const TriangulationView& tri, std::span<const std::uint8_t> crossed) {

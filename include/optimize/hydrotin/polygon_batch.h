@@ -26,6 +26,20 @@ struct PolygonCandidates {
 
 [[nodiscard]] PolygonCandidates candidates_by_polygon(const Subdivision& subdivision, const OrderKTriangles& triangles);
 
+/// The useful edges of some polygons (CSR): edge[begin[f] .. begin[f + 1]) are numbers of edges, ascending.
+struct EdgesByPolygon {
+  std::vector<std::uint32_t> begin;  ///< [F + 1]
+  std::vector<std::uint32_t> edge;   ///< [edges of the wanted polygons]
+
+  [[nodiscard]] std::span<const std::uint32_t> of(std::uint32_t f) const {
+    return std::span(edge).subspan(begin[f], begin[f + 1] - begin[f]);
+  }
+};
+
+/// Those of the polygons with a 1 in `wanted` [F]. O(E + F).
+[[nodiscard]] EdgesByPolygon edges_by_polygon(const Subdivision& subdivision, const UsefulEdges& edges,
+                                              std::span<const std::uint8_t> wanted);
+
 /// Everything known about a triangulation that its polygons need.
 struct PolygonSource {
   TriangulationView triangulation;
@@ -39,7 +53,45 @@ struct PolygonSource {
   std::span<const std::uint32_t> base_degree{};  ///< [n] for min-max-degree only
 };
 
-/// Copies one polygon at a time into local arrays.
+/// Which polygons have to be solved (1); of the others the Delaunay triangles are known to be the best answer (0),
+/// because nothing else can be made of them or because, for local-minima, they serve all vertices that want it.
+/// Polygons with components, and polygons that touch themselves, are only left out if nobody wants anything of them.
+/// The order-k triangles of the others are never needed.
+/// Complexity: O(n + T). Precondition: `assignment` is there for local-minima.
+[[nodiscard]] std::vector<std::uint8_t> polygons_to_solve(const TriangulationView& triangulation,
+                                                          const VertexLinks& links,
+                                                          std::span<const std::int32_t> height,
+                                                          const Crossings& crossings, const Subdivision& subdivision,
+                                                          Objective objective, const MinimaAssignment* assignment);
+
+/// The same in steps, the first of which may be taken for ranges of vertices concurrently.
+class PolygonChooser {
+ public:
+  PolygonChooser(const TriangulationView& triangulation, const VertexLinks& links, std::span<const std::int32_t> height,
+                 const Crossings& crossings, const Subdivision& subdivision, Objective objective,
+                 const MinimaAssignment* assignment);
+
+  /// Looks at what the vertices [begin, end) want.
+  void look_at(VertexId begin, VertexId end);
+  /// The polygons to solve, after all vertices have been looked at.
+  [[nodiscard]] std::vector<std::uint8_t> finish();
+
+ private:
+  [[nodiscard]] bool delaunay_serves(VertexId v, std::uint32_t f) const;
+  [[nodiscard]] bool has_repeated_vertices(std::uint32_t f);
+
+  TriangulationView tri_;
+  const VertexLinks& links_;
+  std::span<const std::int32_t> height_;
+  const Crossings& crossings_;
+  const Subdivision& subdivision_;
+  Objective objective_;
+  const MinimaAssignment* assignment_;
+  std::vector<std::uint8_t> wish_;  // [F] of the vertices that it is to save
+  std::vector<VertexId> vertices_;  // scratch
+};
+
+/// Copies one polygon at a time into local arrays. Its scratch memory is that of the largest polygon so far.
 class PolygonExtractor {
  public:
   explicit PolygonExtractor(const PolygonSource& source);
@@ -48,15 +100,21 @@ class PolygonExtractor {
   const PolygonProblem& extract(std::uint32_t f);
   /// The last problem with more vertices that may be served (`wants_lower` 1); those it does not hold are passed over.
   const PolygonProblem& adopt(std::span<const VertexId> vertices);
+  /// The same with order-k triangles given: `triangles` and `candidates` of the source are not looked at.
+  const PolygonProblem& extract(std::uint32_t f, const OrderKTriangles& others);
   [[nodiscard]] std::span<const VertexId> vertices() const { return vertices_; }
 
  private:
   std::uint32_t local(VertexId v);
   void add_reference(std::uint32_t f);
+  void make_slots(std::size_t num_vertices);
+  void extract_delaunay(std::uint32_t f);
+  void add_other(const std::array<VertexId, 3>& triangle, std::uint8_t order);
+  const PolygonProblem& finish(std::uint32_t f);
 
   const PolygonSource& source_;
   PolygonProblem problem_;
-  std::vector<std::uint32_t> local_of_;  // [n] scratch: local number + 1
+  std::vector<std::uint32_t> slot_;  // open addressing: local number + 1, or 0
   std::vector<VertexId> vertices_;
   std::vector<LatticePoint> position_;
   std::vector<std::int32_t> height_;
@@ -65,5 +123,29 @@ class PolygonExtractor {
   std::vector<ReferencePoint> reference_;
   std::vector<std::uint32_t> base_degree_;
 };
+
+/// What was found in a range of polygons.
+struct BatchFigures {
+  std::uint32_t max_order = 0;  ///< of the triangles of the answers
+  std::uint32_t fallbacks = 0;  ///< polygons of which not the whole class was searched
+};
+
+/// Solves the polygons [begin, end). Those of polygon f go where its Delaunay triangles stand in the subdivision:
+/// triangles[subdivision.begin[f] .. subdivision.begin[f + 1]), counter-clockwise, as vertices of the triangulation.
+/// Ranges may be solved concurrently, each with its own extractor and solver: the result is the same for every way of
+/// cutting.
+/// @param to_solve   [F] of `polygons_to_solve`; the order-k triangles of the others need not be there
+/// @param triangles  [T]
+BatchFigures solve_polygons(const PolygonSource& source, std::span<const std::uint8_t> to_solve, std::uint32_t begin,
+                            std::uint32_t end, PolygonExtractor& extractor, PolygonSolver& solver,
+                            std::span<std::array<VertexId, 3>> triangles);
+
+/// The same with the order-k triangles made where they are needed, one polygon at a time: no more than the edges has to
+/// be kept for all polygons. `triangles` and `candidates` of the source are not looked at.
+/// @param edges  at least the edges of the polygons to solve
+BatchFigures solve_polygons(const PolygonSource& source, std::span<const std::uint8_t> to_solve,
+                            const OrderKTriangleFinder& finder, const EdgesByPolygon& edges, std::uint32_t begin,
+                            std::uint32_t end, PolygonExtractor& extractor, PolygonSolver& solver,
+                            std::span<std::array<VertexId, 3>> triangles);
 
 }  // namespace hydrotin

@@ -2,8 +2,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
+#include "hydrotin/subdivision.h"
 #include "hydrotin/useful_edges.h"
 
 /// Order-k triangles with three useful edges: all that an order-k triangulation can be made of.
@@ -29,6 +32,8 @@ class UsefulEdgeIndex {
 
   /// The number of the non-Delaunay useful edge between p and q, or none (all bits set).
   [[nodiscard]] std::uint32_t find(VertexId p, VertexId q) const;
+  /// The same, of the edges with a number below `limit` only.
+  [[nodiscard]] std::uint32_t find_below(std::uint32_t limit, VertexId p, VertexId q) const;
   [[nodiscard]] bool is_delaunay(VertexId p, VertexId q) const;
 
   static constexpr std::uint32_t kNone = static_cast<std::uint32_t>(-1);
@@ -47,9 +52,50 @@ struct OrderKTriangles {
   std::vector<HalfedgeId> entry;                  ///< [C] a half-edge crossed by one of its edges
 
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(vertices.size()); }
+  void clear() {
+    vertices.clear();
+    order.clear();
+    entry.clear();
+  }
 };
 
-/// The non-Delaunay order-k triangles met from the given edges. O(E k (k + degree)).
+/// Finds the non-Delaunay order-k triangles met from ranges of edges, concurrently if asked so.
+class OrderKTriangleFinder {
+ public:
+  /// O(n + E).
+  OrderKTriangleFinder(const TriangulationView& triangulation, const VertexLinks& links, const UsefulEdges& edges,
+                       int k);
+
+  /// Those met first from the edges [begin, end). O(E k (k + degree)).
+  [[nodiscard]] OrderKTriangles find(std::uint32_t begin, std::uint32_t end) const;
+  /// Appends those of one polygon of the subdivision, given the numbers of all its edges, ascending.
+  void find(std::span<const std::uint32_t> edges_of_polygon, OrderKTriangles& out) const;
+  /// Those of a range of edges inside some polygons of the subdivision only: those with a 1 in `wanted` [F].
+  [[nodiscard]] OrderKTriangles find(std::uint32_t begin, std::uint32_t end, const Subdivision& subdivision,
+                                     std::span<const std::uint8_t> wanted) const;
+
+ private:
+  template <class Wanted>
+  [[nodiscard]] OrderKTriangles find_wanted(std::uint32_t begin, std::uint32_t end, Wanted wanted) const;
+  void visit(std::uint32_t e, bool right, OrderKTriangles& out) const;
+  [[nodiscard]] bool is_empty(std::uint32_t e, bool right, std::size_t rank) const;
+  [[nodiscard]] std::optional<std::size_t> order_of(std::uint32_t e, bool right, std::size_t rank) const;
+  [[nodiscard]] bool met_before(std::uint32_t e, VertexId w) const;
+  [[nodiscard]] bool is_met_from(std::uint32_t leg, VertexId q) const;
+  [[nodiscard]] bool is_useful(VertexId p, VertexId q) const;
+  void add(std::uint32_t e, bool right, VertexId w, std::size_t order, OrderKTriangles& out) const;
+  [[nodiscard]] LatticePoint at(VertexId v) const { return tri_.position[v]; }
+
+  TriangulationView tri_;
+  const UsefulEdges& edges_;
+  UsefulEdgeIndex index_;
+  std::size_t k_;
+};
+
+/// Puts what was found in consecutive ranges of edges together; `parts` are freed on the way. O(C).
+[[nodiscard]] OrderKTriangles concatenate(std::vector<OrderKTriangles> parts);
+
+/// The non-Delaunay order-k triangles met from all edges. O(E k (k + degree)).
 [[nodiscard]] OrderKTriangles order_k_triangles(const TriangulationView& triangulation, const VertexLinks& links,
                                                 const UsefulEdges& edges, int k);
 

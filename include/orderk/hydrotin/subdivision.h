@@ -31,6 +31,12 @@ struct Crossings {
 /// Walks along each edge from its entry. O(T + crossings).
 [[nodiscard]] Crossings find_crossings(const TriangulationView& triangulation, const UsefulEdges& edges);
 
+/// The same in parts: first room for all crossings, then the edges [begin, end) in ranges that may be walked
+/// concurrently.
+[[nodiscard]] Crossings no_crossings(const TriangulationView& triangulation, const UsefulEdges& edges);
+void add_crossings(const TriangulationView& triangulation, const UsefulEdges& edges, std::uint32_t begin,
+                   std::uint32_t end, Crossings& crossings);
+
 /// Polygons as lists of Delaunay triangles (CSR), numbered by their smallest triangle, triangles ascending.
 struct Subdivision {
   std::vector<std::uint32_t> polygon;     ///< [T] polygon of a triangle

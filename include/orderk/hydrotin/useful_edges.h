@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -46,6 +47,8 @@ struct UsefulEdges {
   }
   /// Forgets all edges from number `size` on.
   void truncate(std::uint32_t size);
+  /// Gives back the memory that is not in use.
+  void trim();
 
   [[nodiscard]] std::span<const VertexId> left(std::uint32_t e) const {
     const std::uint32_t begin = content_begin[e] + num_right[e];
@@ -60,8 +63,10 @@ struct DecidingCircle {
 };
 
 /// Finds the useful edges whose smaller end (in (x, y)) is u.
+/// Scratch memory: 4 bytes a vertex.
 class PencilGrowth {
  public:
+  /// O(n).
   /// @param k       1..kMaxOrder
   /// @param window  region whose points are all known; circles inside it need no certificate
   PencilGrowth(const TriangulationView& triangulation, const VertexLinks& links, int k, const LatticeBox& window);
@@ -73,6 +78,10 @@ class PencilGrowth {
   /// Complexity: expected O(k) circle comparisons for each Delaunay neighbour and useful edge of u, each O(1).
   void grow(VertexId u, UsefulEdges& edges, std::vector<DecidingCircle>& beyond);
 
+  /// The edges of the vertices [begin, end). Ranges may be grown concurrently, by one growth per thread, and put
+  /// together by `concatenate`: the result is the same for every way of cutting.
+  [[nodiscard]] UsefulEdges grow_range(VertexId begin, VertexId end, std::vector<DecidingCircle>& beyond);
+
  private:
   struct Impl;
   Impl* impl_;
@@ -81,6 +90,18 @@ class PencilGrowth {
 /// Finds the entries anew after the triangulation was numbered anew; the links of all ends `a` are as they were.
 /// O(E degree).
 void locate_entries(const TriangulationView& triangulation, const VertexLinks& links, UsefulEdges& edges);
+
+/// The window of a triangulation of all points there are.
+inline constexpr LatticeBox kWholePlane{
+    {std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::min()},
+    {std::numeric_limits<std::int32_t>::max(), std::numeric_limits<std::int32_t>::max()}};
+
+/// Vertices of a range worth growing at once.
+inline constexpr std::uint32_t kGrowthRange = 1U << 14;
+
+/// Puts the edges of consecutive ranges of vertices together; `parts` are freed on the way. O(E) time; memory beyond
+/// the parts: one array of the result.
+[[nodiscard]] UsefulEdges concatenate(std::vector<UsefulEdges> parts);
 
 /// All useful edges of order at most k, by smaller end in vertex order. Expected O(n k^2) time, O(n k^2) memory.
 [[nodiscard]] UsefulEdges useful_edges(const TriangulationView& triangulation, const VertexLinks& links, int k);

@@ -1,0 +1,306 @@
+#include <linux/perf_event.h>
+#include <malloc.h>
+#include <sys/ioctl.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <numeric>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "clouds.h"
+#include "hydrotin/hilbert.h"
+#include "hydrotin/polygon_batch.h"
+#include "plain_delaunay.h"
+
+// Time, instructions and memory of what follows the Delaunay triangulation, stage by stage, one thread.
+
+namespace {
+
+// Bytes in use and their peak, of everything that is allocated through new.
+std::atomic<std::size_t> bytes_in_use = 0, bytes_at_peak = 0;
+
+void* counted(std::size_t size) {
+  void* p = std::malloc(size);
+  if (!p) throw std::bad_alloc();
+  const std::size_t now = bytes_in_use += malloc_usable_size(p);
+  for (std::size_t peak = bytes_at_peak; now > peak && !bytes_at_peak.compare_exchange_weak(peak, now);) {
+  }
+  return p;
+}
+
+void discount(void* p) {
+  if (p) bytes_in_use -= malloc_usable_size(p);
+  std::free(p);
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) {
+  return counted(size);
+}
+void* operator new[](std::size_t size) {
+  return counted(size);
+}
+void operator delete(void* p) noexcept {
+  discount(p);
+}
+void operator delete[](void* p) noexcept {
+  discount(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+  discount(p);
+}
+void operator delete[](void* p, std::size_t) noexcept {
+  discount(p);
+}
+
+namespace hydrotin::testing {
+namespace {
+
+// Instructions of this thread in user mode; always 0 where the machine does not tell.
+class InstructionCounter {
+ public:
+  InstructionCounter() {
+    perf_event_attr what{};
+    what.type = PERF_TYPE_HARDWARE;
+    what.size = sizeof what;
+    what.config = PERF_COUNT_HW_INSTRUCTIONS;
+    what.exclude_kernel = 1;
+    what.exclude_hv = 1;
+    file_ = static_cast<int>(syscall(SYS_perf_event_open, &what, 0, -1, -1, 0));
+  }
+  ~InstructionCounter() {
+    if (file_ >= 0) close(file_);
+  }
+  InstructionCounter(const InstructionCounter&) = delete;
+  InstructionCounter& operator=(const InstructionCounter&) = delete;
+
+  [[nodiscard]] double read() const {
+    std::uint64_t count = 0;
+    if (file_ < 0 || ::read(file_, &count, sizeof count) != sizeof count) return 0;
+    return static_cast<double>(count);
+  }
+
+ private:
+  int file_ = -1;
+};
+
+struct Cost {
+  double seconds = 0, instructions = 0;
+};
+
+// Stops stages one after the other.
+class Laps {
+ public:
+  Cost lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double count = counter_.read();
+    const Cost cost{std::chrono::duration<double>(now - time_).count(), count - count_};
+    count_ = counter_.read();
+    time_ = std::chrono::steady_clock::now();
+    return cost;
+  }
+
+ private:
+  InstructionCounter counter_;
+  std::chrono::steady_clock::time_point time_ = std::chrono::steady_clock::now();
+  double count_ = counter_.read();
+};
+
+struct Cloud {
+  std::vector<LatticePoint> position;
+  std::vector<std::int32_t> height;
+};
+
+Cloud make(CloudKind kind, std::size_t n) {
+  Cloud cloud;
+  cloud.position = distinct(make_cloud(kind, 1, n, 300));
+  std::vector<std::pair<std::uint64_t, LatticePoint>> order;
+  for (const LatticePoint p : cloud.position) order.emplace_back(hilbert_key(p), p);
+  std::sort(order.begin(), order.end());
+  for (std::size_t i = 0; i < order.size(); ++i) cloud.position[i] = order[i].second;
+  cloud.height = relief_heights(1, cloud.position, 100000, 30000, 20);
+  return cloud;
+}
+
+double plain_seconds(const Cloud& cloud) {
+  std::vector<PlainPoint> plain;
+  for (const LatticePoint p : cloud.position) plain.push_back({p.x, p.y});
+  shuffle(1, plain);
+  std::vector<double> seconds(3);
+  for (double& s : seconds) s = seconds_of_plain_delaunay(plain);
+  std::sort(seconds.begin(), seconds.end());
+  return seconds[1];
+}
+
+struct Report {
+  std::vector<std::pair<const char*, Cost>> stages;
+  double bytes = 0;
+  std::uint32_t edges = 0, triangles = 0, polygons = 0, solved = 0;
+};
+
+// Deals the ranges of [0, size) to some threads: `make_worker()` is called in each of them and its result with ranges.
+template <class MakeWorker>
+void for_ranges(std::uint32_t size, std::uint32_t range, int num_workers, MakeWorker make_worker) {
+  std::atomic<std::uint32_t> next{0};
+  const auto work = [&] {
+    auto worker = make_worker();
+    for (std::uint32_t i; (i = next++) * std::uint64_t{range} < size;)
+      worker(i * range, static_cast<std::uint32_t>(std::min<std::uint64_t>(size, (i + std::uint64_t{1}) * range)));
+  };
+  std::vector<std::thread> others;
+  for (int i = 1; i < num_workers; ++i) others.emplace_back(work);
+  work();
+  for (std::thread& other : others) other.join();
+}
+
+UsefulEdges all_edges(const TriangulationView& tri, const VertexLinks& links, int k, int num_workers) {
+  std::vector<UsefulEdges> parts((tri.num_vertices() + kGrowthRange - 1) / kGrowthRange);
+  for_ranges(tri.num_vertices(), kGrowthRange, num_workers, [&] {
+    return [&, growth = std::make_unique<PencilGrowth>(tri, links, k, kWholePlane)](std::uint32_t begin,
+                                                                                    std::uint32_t end) {
+      std::vector<DecidingCircle> beyond;
+      parts[begin / kGrowthRange] = growth->grow_range(VertexId{begin}, VertexId{end}, beyond);
+    };
+  });
+  return concatenate(std::move(parts));
+}
+
+constexpr std::uint32_t kEdgeRange = 1U << 14;
+
+// Polygons with components go apart: what they cost depends on how few or many there are.
+void solve_all(const PolygonSource& source, std::span<const std::uint8_t> to_solve, const OrderKTriangleFinder& finder,
+               const EdgesByPolygon& edges, int num_workers, std::span<std::array<VertexId, 3>> answer) {
+  for_ranges(source.subdivision.size(), 1024, num_workers, [&] {
+    return [&, extractor = std::make_unique<PolygonExtractor>(source),
+            solver = std::make_unique<PolygonSolver>(PolygonOptions{})](std::uint32_t begin, std::uint32_t end) {
+      solve_polygons(source, to_solve, finder, edges, begin, end, *extractor, *solver, answer);
+    };
+  });
+}
+
+Report run(const TriangulationView& tri, const VertexLinks& links, std::span<const std::int32_t> height, int k,
+           int num_workers) {
+  Report report;
+  const std::size_t before = bytes_in_use;
+  bytes_at_peak = before;
+  Laps laps;
+  const auto done = [&](const char* stage) { report.stages.emplace_back(stage, laps.lap()); };
+  const UsefulEdges edges = all_edges(tri, links, k, num_workers);
+  done("edges");
+  Crossings crossings = no_crossings(tri, edges);
+  for_ranges(edges.size(), kEdgeRange, num_workers, [&] {
+    return [&](std::uint32_t begin, std::uint32_t end) { add_crossings(tri, edges, begin, end, crossings); };
+  });
+  done("crossings");
+  const Subdivision subdivision = subdivide(tri, crossings.crossed);
+  done("subdivide");
+  const MinimaAssignment assignment = [&] {
+    MinimaAssigner assigner(tri, links, edges, crossings, height);
+    for_ranges(tri.num_vertices(), kGrowthRange, num_workers, [&] {
+      return [&](std::uint32_t begin, std::uint32_t end) { assigner.look_at_delaunay(VertexId{begin}, VertexId{end}); };
+    });
+    return assigner.finish();
+  }();
+  std::vector<HalfedgeId>().swap(crossings.exit);
+  done("minima");
+  auto to_solve = [&] {
+    PolygonChooser chooser(tri, links, height, crossings, subdivision, Objective::local_minima, &assignment);
+    for_ranges(tri.num_vertices(), kGrowthRange, num_workers, [&] {
+      return [&](std::uint32_t begin, std::uint32_t end) { chooser.look_at(VertexId{begin}, VertexId{end}); };
+    });
+    return chooser.finish();
+  }();
+  done("choose");
+  const OrderKTriangleFinder finder(tri, links, edges, k);
+  const EdgesByPolygon polygon_edges = edges_by_polygon(subdivision, edges, to_solve);
+  done("edge lists");
+  const OrderKTriangles no_triangles;
+  const PolygonCandidates no_candidates;
+  const PolygonSource source{tri, height, crossings, subdivision, no_triangles, no_candidates, &assignment};
+  std::vector<std::array<VertexId, 3>> answer(tri.num_triangles());
+  std::vector<std::uint8_t> hard(subdivision.size());
+  for (std::uint32_t f = 0; f < subdivision.size(); ++f)
+    if (to_solve[f] && subdivision.components[f] > 0) std::swap(hard[f], to_solve[f]);
+  solve_all(source, to_solve, finder, polygon_edges, num_workers, answer);
+  done("polygons");
+  PolygonExtractor extractor(source);
+  PolygonSolver solver({});
+  for (std::uint32_t f = 0; f < subdivision.size(); ++f)
+    if (hard[f]) solve_polygons(source, hard, finder, polygon_edges, f, f + 1, extractor, solver, answer);
+  done("components");
+  report.solved = static_cast<std::uint32_t>(std::count(to_solve.begin(), to_solve.end(), 1) +
+                                             std::count(hard.begin(), hard.end(), 1));
+  report.bytes = static_cast<double>(bytes_at_peak - before);
+  report.edges = edges.size();
+  report.polygons = subdivision.size();
+  report.triangles = order_k_triangles(tri, links, edges, k).size();
+  done("(all triangles)");
+  return report;
+}
+
+// Without what was done for comparison only.
+double total(const Report& report) {
+  double sum = 0;
+  for (const auto& [stage, cost] : report.stages)
+    if (stage[0] != '(') sum += cost.seconds;
+  return sum;
+}
+
+void measure(CloudKind kind, std::size_t n, const std::vector<int>& orders, int repeats, int num_workers) {
+  const Cloud cloud = make(kind, n);
+  n = cloud.position.size();
+  const double plain = plain_seconds(cloud), per = 1e6 / static_cast<double>(n);
+  const Triangulation owner = delaunay(cloud.position);
+  const TriangulationView tri = owner.view();
+  const VertexLinks links = vertex_links(tri);
+  std::printf("%s, %zu points, B' %.3f us a vertex\n", name_of(kind), n, plain * per);
+  for (const int k : orders) {
+    std::vector<Report> reports;
+    for (int i = 0; i < repeats; ++i) reports.push_back(run(tri, links, cloud.height, k, num_workers));
+    std::sort(reports.begin(), reports.end(), [](const Report& a, const Report& b) { return total(a) < total(b); });
+    const Report& r = reports[reports.size() / 2];
+    double instructions = 0;
+    for (const auto& [stage, cost] : r.stages)
+      if (stage[0] != '(') instructions += cost.instructions;
+    const double each = 1 / static_cast<double>(n);
+    std::printf(
+        "k %d: %.3f us a vertex, %.2f x B', %.0f instructions, %.1f bytes; edges %.3f triangles %.3f polygons %.3f, "
+        "%.3f solved\n",
+        k, total(r) * per, total(r) / plain, instructions * each, r.bytes * each, r.edges * each, r.triangles * each,
+        r.polygons * each, r.solved * each);
+    for (const auto& [stage, cost] : r.stages)
+      std::printf("      %-15s %.3f us %6.0f instructions\n", stage, cost.seconds * per, cost.instructions * each);
+  }
+}
+
+}  // namespace
+}  // namespace hydrotin::testing
+
+int main(int argc, char** argv) {
+  using namespace hydrotin::testing;
+  double n = 1e6;
+  int repeats = 3, workers = 1;
+  std::vector<int> orders{1, 2, 3, 4};
+  std::vector<CloudKind> kinds{CloudKind::uniform, CloudKind::scanlines};
+  for (int i = 1; i + 1 < argc; i += 2) {
+    if (!std::strcmp(argv[i], "--points")) n = std::atof(argv[i + 1]);
+    if (!std::strcmp(argv[i], "--repeats")) repeats = std::atoi(argv[i + 1]);
+    if (!std::strcmp(argv[i], "--workers")) workers = std::atoi(argv[i + 1]);
+    if (!std::strcmp(argv[i], "--order")) orders = {std::atoi(argv[i + 1])};
+    if (!std::strcmp(argv[i], "--cloud"))
+      std::erase_if(kinds, [&](CloudKind c) { return std::string(argv[i + 1]) != name_of(c); });
+  }
+  for (const CloudKind kind : kinds) measure(kind, static_cast<std::size_t>(n), orders, repeats, workers);
+  return 0;
+}

@@ -1,0 +1,1 @@
+hydrotin_test(polygon_batch_test SOURCES polygon_batch_test.cpp DEPENDS optimize)

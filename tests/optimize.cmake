@@ -1,3 +1,5 @@
 hydrotin_test(optimize_test SOURCES optimize_test.cpp DEPENDS optimize)
 hydrotin_test(objectives_test SOURCES objectives_test.cpp DEPENDS optimize)
 hydrotin_test(simple_polygon_test SOURCES simple_polygon_test.cpp DEPENDS optimize)
+hydrotin_test(linear_program_test SOURCES linear_program_test.cpp DEPENDS optimize)
+target_include_directories(linear_program_test PRIVATE ${PROJECT_SOURCE_DIR}/src/optimize)

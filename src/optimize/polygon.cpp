@@ -345,6 +345,7 @@ struct PolygonSolver::Impl {
         break;
       case ObjectiveKind::sum:
         result.gap = std::max(0.0, from_fixed(answer.value[0]) - density_bound());
+        result.optimal = !result.limit_missed && result.gap <= 1e-12 * std::abs(from_fixed(answer.value[0]));
         break;
       case ObjectiveKind::degree:
         result.bound = 2;
@@ -388,12 +389,29 @@ struct PolygonSolver::Impl {
 
   // ---- the whole ----
 
-  [[nodiscard]] bool keeps_delaunay() const {
+  // Nothing else can serve more vertices, or has more Delaunay edges.
+  [[nodiscard]] bool delaunay_serves_all() {
+    const auto wants = [](std::uint8_t level) { return level != 0; };
+    if (std::none_of(problem->wants_lower.begin(), problem->wants_lower.end(), wants)) return true;
+    served.assign(problem->position.size(), 0);
+    for (std::size_t t = 0; t < problem->delaunay.size(); ++t)
+      for (std::size_t i = 0; i < 3; ++i) {
+        if (problem->fixed[t] >> i & 1U) continue;
+        const std::uint32_t a = problem->delaunay[t][i], b = problem->delaunay[t][(i + 1) % 3];
+        const bool a_is_lower =
+            is_lower(problem->height[a], problem->position[a], problem->height[b], problem->position[b]);
+        served[a_is_lower ? b : a] = 1;
+      }
+    for (std::size_t v = 0; v < served.size(); ++v)
+      if (problem->wants_lower[v] && !served[v]) return false;
+    return true;
+  }
+
+  [[nodiscard]] bool keeps_delaunay() {
     if (!is_loose() || options.max_error) return false;
     if (problem->others.empty() || first() == Objective::delaunay) return true;
     if (options.objectives.size() > 1 || first() != Objective::local_minima) return false;
-    return std::all_of(problem->wants_lower.begin(), problem->wants_lower.end(),
-                       [](std::uint8_t wants) { return wants == 0; });
+    return delaunay_serves_all();
   }
 
   // The bound of a polygon that can be triangulated in one way only, or is not to be touched.
@@ -521,6 +539,8 @@ PolygonResult PolygonSolver::solve(const PolygonProblem& problem,
   PolygonResult result;
   if (self.keeps_delaunay()) {
     triangles.insert(triangles.end(), problem.delaunay.begin(), problem.delaunay.end());
+    result.served =
+        static_cast<std::uint32_t>(std::count(problem.wants_lower.begin(), problem.wants_lower.end(), std::uint8_t{2}));
     self.judge_delaunay(result);
     self.add_delaunay_errors(result);
     return result;

@@ -11,6 +11,7 @@ namespace hydrotin {
 namespace {
 
 constexpr std::uint32_t kTriangleVisits = 1U << 20;  // by all dynamic programs for the ties of one polygon
+constexpr std::uint32_t kMostTied = 16;              // components; to list the ties of more would take too long
 
 }  // namespace
 
@@ -55,6 +56,10 @@ void PolygonSearch::start(const PolygonGraph& graph, const PolygonOptions& optio
   ties_ = {};
   linear_ = options.method == ComponentMethod::linear_program;
   if (problem.components == 0 || linear_ || !is_within_budget()) return;
+  if (options.method != ComponentMethod::ties && problem.components > kMostTied) {
+    linear_ = true;
+    return;
+  }
   ties_ = find_component_ties(problem, graph);
   if (options.method == ComponentMethod::ties) return;
   const std::uint64_t affordable = std::min(options.max_ways, kTriangleVisits / graph.num_triangles());

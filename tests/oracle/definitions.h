@@ -41,9 +41,10 @@ inline bool in_disc(LatticePoint a, LatticePoint b, LatticePoint c, LatticePoint
   if (side(a, b, c) < 0) std::swap(b, c);
   std::array<LatticePoint, 4> order{a, b, c, d};
   std::sort(order.begin(), order.end());
-  const auto lifted = [&](LatticePoint p) {
+  const auto lifted = [&](LatticePoint p) -> Big {
     const auto rank = std::find(order.begin(), order.end(), p) - order.begin();
-    return ((Big{p.x} * p.x + Big{p.y} * p.y) << 2000) + (Big{1} << static_cast<unsigned>(400 * rank));
+    const auto power = [](unsigned exponent) -> Big { return boost::multiprecision::pow(Big{2}, exponent); };
+    return (Big{p.x} * p.x + Big{p.y} * p.y) * power(2000) + power(static_cast<unsigned>(400 * rank));
   };
   std::array<std::array<Big, 3>, 3> m;
   const std::array<LatticePoint, 3> rows{a, b, c};

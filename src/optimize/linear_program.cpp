@@ -32,19 +32,21 @@ class Formulation {
 
   [[nodiscard]] int num_columns() const { return static_cast<int>(triangle_.size() + wish_.size()); }
   [[nodiscard]] int num_triangles() const { return static_cast<int>(triangle_.size()); }
+  [[nodiscard]] const std::vector<double>& row_lower() const { return row_lower_; }
   [[nodiscard]] int num_rows() const { return static_cast<int>(row_lower_.size()); }
   [[nodiscard]] std::uint32_t triangle(std::size_t column) const { return triangle_[column]; }
 
   [[nodiscard]] std::unique_ptr<Clp_Simplex, Deleter> model() const {
-    std::unique_ptr<Clp_Simplex, Deleter> model(Clp_newModel());
-    Clp_setLogLevel(model.get(), 0);
+    std::unique_ptr<Clp_Simplex, Deleter> owner(Clp_newModel());
+    Clp_Simplex* model = owner.get();
+    Clp_setLogLevel(model, 0);
     const std::vector<double> zero(static_cast<std::size_t>(num_columns()), 0.0), one(zero.size(), 1.0);
-    Clp_loadProblem(model.get(), num_columns(), num_rows(), start_.data(), index_.data(), element_.data(), zero.data(),
+    Clp_loadProblem(model, num_columns(), num_rows(), start_.data(), index_.data(), element_.data(), zero.data(),
                     one.data(), zero.data(), row_lower_.data(), row_upper_.data());
-    Clp_setPrimalTolerance(model.get(), kTolerance);
-    Clp_setDualTolerance(model.get(), kTolerance);
-    Clp_setMaximumIterations(model.get(), 20 * num_columns() + 10'000);
-    return model;
+    Clp_setPrimalTolerance(model, kTolerance);
+    Clp_setDualTolerance(model, kTolerance);
+    Clp_setMaximumIterations(model, 20 * num_columns() + 10'000);
+    return owner;
   }
 
   // The objectives, one after the other; served vertices before those that may be served.
@@ -215,8 +217,10 @@ class Tree {
     }
   }
 
-  LinearOutcome grow() {
+  LinearOutcome grow(std::vector<std::uint32_t> incumbent) {
     LinearOutcome out;
+    if (!incumbent.empty()) keep(std::move(incumbent));
+    model_ = form_.model();
     stack_.push_back({});
     while (!stack_.empty() && out.programs < max_programs_) {
       const Fixings fixings = std::move(stack_.back());
@@ -228,7 +232,8 @@ class Tree {
     if (!best_) return out;
     out.triangle = best_->triangle;
     // Without branches the dual must certify the answer; the tree of branches is a proof of its own.
-    if (out.programs == 1 && best_->first - out.first_bound > 100 * slack(best_->first)) out.proven = false;
+    const double certified = counts_minima_only() ? std::ceil(out.first_bound - 1e-6) : out.first_bound;
+    if (out.programs == 1 && best_->first - certified > 100 * slack(best_->first)) out.proven = false;
     if (out.proven) out.first_bound = best_->first;
     return out;
   }
@@ -246,31 +251,39 @@ class Tree {
   };
 
   void visit(const Fixings& fixings, LinearOutcome& out) {
-    const auto model = form_.model();
+    Clp_Simplex* model = model_.get();  // its last basis is a good start
+    Clp_chgRowLower(model, form_.row_lower().data());
     std::vector<double> lower(static_cast<std::size_t>(form_.num_columns()), 0.0), upper(lower.size(), 1.0);
     for (const auto& [column, used] : fixings)
       (used ? lower : upper)[static_cast<std::size_t>(column)] = used ? 1.0 : 0.0;
-    Clp_chgColumnLower(model.get(), lower.data());
-    Clp_chgColumnUpper(model.get(), upper.data());
+    Clp_chgColumnLower(model, lower.data());
+    Clp_chgColumnUpper(model, upper.data());
     for (std::size_t s = 0; s < stages_.size(); ++s) {
       std::vector<double> scaled(stages_[s]);
       for (double& c : scaled) c /= scale_[s];
-      Clp_chgObjCoefficients(model.get(), scaled.data());
+      Clp_chgObjCoefficients(model, scaled.data());
       if (s == 0)
-        Clp_dual(model.get(), 0);
+        Clp_dual(model, 0);
       else
-        Clp_primal(model.get(), 0);
-      if (Clp_status(model.get()) == 1) return;  // no triangulation keeps the fixings
-      if (s == 0 && fixings.empty())
-        out.first_bound = form_.dual_bound(scaled, Clp_dualRowSolution(model.get())) * scale_[0];
-      if (Clp_status(model.get()) != 0) {
+        Clp_primal(model, 0);
+      if (Clp_status(model) == 1) return;  // no triangulation keeps the fixings
+      if (s == 0 && fixings.empty()) out.first_bound = form_.dual_bound(scaled, Clp_dualRowSolution(model)) * scale_[0];
+      if (Clp_status(model) != 0) {
         gave_up_ = true;
         return;
       }
-      if (s == 0 && best_ && Clp_objectiveValue(model.get()) * scale_[0] > best_->first + slack(best_->first)) return;
-      tighten(model.get(), lower, upper);
+      if (s == 0 && best_ && !may_improve(Clp_objectiveValue(model) * scale_[0])) return;
+      tighten(model, lower, upper);
     }
-    branch_or_keep(model.get(), fixings);
+    branch_or_keep(model, fixings);
+  }
+
+  [[nodiscard]] bool counts_minima_only() const { return costs_.minima_slot == 0 && costs_.num_slots <= 2; }
+
+  // Whether answers with at least this much in the first slot may be better than the best so far.
+  [[nodiscard]] bool may_improve(double first) const {
+    if (counts_minima_only()) return std::ceil(first - 1e-6) < best_->first;
+    return first <= best_->first + slack(best_->first);
   }
 
   [[nodiscard]] double slack(double value) const { return kTolerance * (scale_[0] + std::abs(value)); }
@@ -318,14 +331,15 @@ class Tree {
       gave_up_ = true;
       return;
     }
+    keep(std::move(triangle));
+  }
+
+  void keep(std::vector<std::uint32_t> triangle) {
     const SlotValues value = value_of(graph_, costs_, triangle);
     if (best_ && !(value < best_->value)) return;
-    double first = 0;
-    if (costs_.minima_slot == 0) {
-      first = -std::floor(static_cast<double>(-value[0]) / static_cast<double>(PolygonCosts::kGain[2]));
-    } else {
-      first = from_fixed(value[0]);
-    }
+    const double first = costs_.minima_slot == 0
+                             ? -std::floor(static_cast<double>(-value[0]) / static_cast<double>(PolygonCosts::kGain[2]))
+                             : from_fixed(value[0]);
     best_ = {std::move(triangle), value, first};
   }
 
@@ -335,6 +349,7 @@ class Tree {
   std::vector<std::vector<double>> stages_;
   std::vector<double> scale_;
   std::uint32_t size_, max_programs_;
+  std::unique_ptr<Clp_Simplex, Deleter> model_;
   std::vector<Fixings> stack_;
   std::optional<Best> best_;
   bool gave_up_ = false;
@@ -344,9 +359,9 @@ class Tree {
 
 LinearOutcome solve_linear_program(const PolygonGraph& graph, const PolygonCosts& costs,
                                    const std::vector<std::uint8_t>& blocked, std::uint32_t size,
-                                   std::uint32_t max_programs) {
+                                   std::uint32_t max_programs, std::vector<std::uint32_t> incumbent) {
   const Formulation formulation(graph, costs, blocked);
-  return Tree(formulation, graph, costs, size, max_programs).grow();
+  return Tree(formulation, graph, costs, size, max_programs).grow(std::move(incumbent));
 }
 
 }  // namespace hydrotin

@@ -23,10 +23,12 @@ struct LinearOutcome {
 };
 
 /// @param size          triangles of an answer
+/// @param incumbent     an answer that is known, empty if none is. If local minima are all that counts, an answer that
+///                      serves as many is not looked for.
 /// @param max_programs  nodes of the tree of branches
 /// Deterministic: rows and columns are in (x, y) order.
 [[nodiscard]] LinearOutcome solve_linear_program(const PolygonGraph& graph, const PolygonCosts& costs,
                                                  const std::vector<std::uint8_t>& blocked, std::uint32_t size,
-                                                 std::uint32_t max_programs);
+                                                 std::uint32_t max_programs, std::vector<std::uint32_t> incumbent = {});
 
 }  // namespace hydrotin

@@ -293,10 +293,8 @@ struct PolygonSolver::Impl {
 
   [[nodiscard]] bool has_delaunay() const { return is_loose() || problem->delaunay.size() == problem->num_triangles; }
 
-  bool fall_back(PolygonResult& result) {
-    result.fell_back = true;
-    result.optimal = false;
-    if (!has_delaunay()) return false;
+  // Delaunay, improved by flips.
+  void flip_delaunay(const PolygonResult& result, const BeyondSides& beyond) {
     answer.triangle.clear();
     for (std::uint32_t t = 0; t < problem->delaunay.size(); ++t) answer.triangle.push_back(t);
     slots.clear();
@@ -309,13 +307,36 @@ struct PolygonSolver::Impl {
     slots.push_back(Objective::delaunay);
     criteria.push_back({.slot = static_cast<int>(slots.size()) - 1});
     make_costs();
-    const BeyondSides beyond = sides_beyond(graph);
     improve_by_flips(graph, options, costs, criteria, beyond, answer.triangle);
+    answer.value = value_of(graph, costs, answer.triangle);
+  }
+
+  bool fall_back(PolygonResult& result) {
+    result.fell_back = true;
+    result.optimal = false;
+    if (!has_delaunay()) return false;
+    const BeyondSides beyond = sides_beyond(graph);
+    flip_delaunay(result, beyond);
     if (result.limit_missed)
       result.limit_missed =
           std::any_of(answer.triangle.begin(), answer.triangle.end(), [&](std::uint32_t t) { return blocked[t] != 0; });
-    answer.value = value_of(graph, costs, answer.triangle);
     bound_fallback(result, beyond);
+    return true;
+  }
+
+  // Where a linear program would have to be asked for local minima alone, flips often do.
+  [[nodiscard]] bool flips_serve_all(const PolygonResult& result) {
+    const bool costly = search.is_linear() || !search.is_within_budget();
+    if (!costly || options.method != ComponentMethod::automatic || !is_loose() || options.max_error ||
+        options.objectives.size() > 1 || first() != Objective::local_minima)
+      return false;
+    flip_delaunay(result, {});
+    mark_served(graph, answer.triangle, served);
+    for (std::size_t v = 0; v < served.size(); ++v)
+      if (problem->wants_lower[v] && !served[v]) {
+        search.offer(answer.triangle);
+        return false;
+      }
     return true;
   }
 
@@ -470,6 +491,7 @@ struct PolygonSolver::Impl {
     const ObjectiveKind kind = kind_of(first());
     const bool staged = kind != ObjectiveKind::degree && kind != ObjectiveKind::quadrilateral_sum &&
                         kind != ObjectiveKind::quadrilateral_bottleneck;
+    if (flips_serve_all(result)) return true;
     answer.triangle.clear();
     if (!search.is_within_budget() || (!staged && search.is_linear())) return fall_back(result);
     if (!staged && result.limit_missed) std::fill(blocked.begin(), blocked.end(), std::uint8_t{0});

@@ -54,6 +54,7 @@ void PolygonSearch::start(const PolygonGraph& graph, const PolygonOptions& optio
   first_bound_ = -std::numeric_limits<double>::infinity();
   proven_ = true;
   ties_ = {};
+  incumbent_.clear();
   linear_ = options.method == ComponentMethod::linear_program;
   if (problem.components == 0 || linear_ || !is_within_budget()) return;
   if (options.method != ComponentMethod::ties && problem.components > kMostTied) {
@@ -118,7 +119,8 @@ bool PolygonSearch::run_ties(const PolygonCosts& costs, const std::vector<std::u
 
 bool PolygonSearch::run_linear(const PolygonCosts& costs, const std::vector<std::uint8_t>& blocked,
                                PolygonAnswer& best) {
-  LinearOutcome outcome = solve_linear_program(*graph_, costs, blocked, size_, options_->max_branches);
+  LinearOutcome outcome =
+      solve_linear_program(*graph_, costs, blocked, size_, options_->max_branches, std::exchange(incumbent_, {}));
   programs_ += outcome.programs;
   first_bound_ = outcome.first_bound;
   proven_ = proven_ && outcome.proven;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "component_ties.h"
@@ -35,6 +36,8 @@ class PolygonSearch {
   /// Calls visit(blocked, closed) for each way to tie the components. Precondition: within budget, not `is_linear`.
   template <class Visit>
   void for_each_way(const std::vector<std::uint8_t>& blocked, Visit visit);
+  /// An answer that is known without search, for the next run of a linear program.
+  void offer(std::vector<std::uint32_t> triangles) { incumbent_ = std::move(triangles); }
   /// Whether components are left to the linear program.
   [[nodiscard]] bool is_linear() const { return linear_; }
 
@@ -57,6 +60,7 @@ class PolygonSearch {
   ComponentTies ties_;
   std::unique_ptr<Programs> programs_of_;
   std::vector<std::uint8_t> blocked_, closed_;
+  std::vector<std::uint32_t> incumbent_;
   std::uint32_t size_ = 0;  // triangles of an answer
   std::uint32_t programs_ = 0;
   double first_bound_ = 0;

@@ -17,12 +17,13 @@
 ///          are tied to the boundary in all the ways of Lemma 3.1 (with rightmost in place of topmost) if these are
 ///          few; else a linear program over the triangles (the triangles left and right of every edge are equally many)
 ///          is solved, with its dual as certificate, and branched on if it is not integral.
+///          For local-minima alone flips are tried before it: if they serve every vertex, nothing can be better.
 ///          A bottleneck is the least threshold under which the objectives before it keep their values.
 /// Symbols  n = vertices of the polygon, T = its Delaunay triangles, C = its other order-k triangles.
 /// Properties
 ///   (1) The answer depends on coordinates and heights only, never on the numbering of vertices or triangles: the
 ///       recursion starts at the smallest boundary edge, and equal values are decided first for more Delaunay edges,
-///       then for the apex that comes first in (x, y).
+///       then for the apex that comes first in (x, y). (Where flips serve all, the first such answer is taken.)
 ///   (2) The answer is never worse than the Delaunay triangulation of the polygon, if that is admissible.
 ///   (3) `optimal` is claimed only if the whole class was searched, or a bound is met.
 /// Complexity: O((T + C) ways) time, O(T + C) memory, ways = 1 without components; a bottleneck adds a factor log C, a
@@ -67,8 +68,8 @@ struct PolygonOptions {
   ComponentMethod method = ComponentMethod::automatic;
   std::uint32_t max_triangles = 1U << 22;  ///< T + C of a polygon that is searched
   std::uint32_t max_ways = 64;             ///< ways to tie components before the linear program takes over
-  std::uint32_t max_program = 20'000;      ///< columns of a linear program
-  std::uint32_t max_branches = 200;        ///< linear programs per polygon that is not integral at once
+  std::uint32_t max_program = 8'000;       ///< columns of a linear program
+  std::uint32_t max_branches = 40;         ///< linear programs per polygon that is not integral at once
 };
 
 /// A polygon beyond `max_triangles`, `max_program` or `max_branches` falls back to its Delaunay triangulation, improved

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "grid_terrain.h"
+#include "hydrotin/contour_tree.h"
 #include "hydrotin/lifting.h"
 #include "hydrotin/pits.h"
 #include "hydrotin/rasterize.h"
@@ -102,6 +103,12 @@ void BM_vertex_graph(benchmark::State& state) {
   set_vertices(state, s);
 }
 
+void BM_contour_tree(benchmark::State& state) {
+  const Scene& s = scene(state.range(0), state.range(1));
+  for (auto _ : state) benchmark::DoNotOptimize(contour_tree(s.graph, s.grid.height, s.grid.position));
+  set_vertices(state, s);
+}
+
 void BM_count_pits(benchmark::State& state) {
   const Scene& s = scene(state.range(0), state.range(1));
   for (auto _ : state) benchmark::DoNotOptimize(count_pits(s.graph, s.grid.height, s.hull));
@@ -181,6 +188,7 @@ BENCHMARK(BM_vertex_graph)->Apply(sizes);
 BENCHMARK(BM_plain_flood)->Apply(sizes);
 BENCHMARK(BM_lift)->Apply(sizes);
 BENCHMARK(BM_lift_lowest)->Apply(sizes);
+BENCHMARK(BM_contour_tree)->Apply(sizes);
 BENCHMARK(BM_count_pits)->Apply(sizes);
 BENCHMARK(BM_reduce_to_rim)->Apply(sizes);
 BENCHMARK(BM_rasterize)->ArgsProduct({{1000}, {1000, 200, 100, 50, 10}})->Unit(benchmark::kMillisecond);

@@ -9,6 +9,7 @@
 #include "grid_terrain.h"
 #include "hydrotin/contour_tree.h"
 #include "hydrotin/lifting.h"
+#include "hydrotin/pit_hierarchy.h"
 #include "hydrotin/pits.h"
 #include "hydrotin/rasterize.h"
 #include "hydrotin/spill_tree.h"
@@ -109,6 +110,13 @@ void BM_contour_tree(benchmark::State& state) {
   set_vertices(state, s);
 }
 
+void BM_pit_hierarchy(benchmark::State& state) {
+  const Scene& s = scene(state.range(0), state.range(1));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(pit_hierarchy(s.graph, s.grid.triangle, s.grid.height, s.grid.position, s.hull));
+  set_vertices(state, s);
+}
+
 void BM_count_pits(benchmark::State& state) {
   const Scene& s = scene(state.range(0), state.range(1));
   for (auto _ : state) benchmark::DoNotOptimize(count_pits(s.graph, s.grid.height, s.hull));
@@ -189,6 +197,7 @@ BENCHMARK(BM_plain_flood)->Apply(sizes);
 BENCHMARK(BM_lift)->Apply(sizes);
 BENCHMARK(BM_lift_lowest)->Apply(sizes);
 BENCHMARK(BM_contour_tree)->Apply(sizes);
+BENCHMARK(BM_pit_hierarchy)->Apply(sizes);
 BENCHMARK(BM_count_pits)->Apply(sizes);
 BENCHMARK(BM_reduce_to_rim)->Apply(sizes);
 BENCHMARK(BM_rasterize)->ArgsProduct({{1000}, {1000, 200, 100, 50, 10}})->Unit(benchmark::kMillisecond);

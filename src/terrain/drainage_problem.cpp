@@ -1,0 +1,62 @@
+#include "hydrotin/drainage_problem.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cstdlib>
+
+#include "min_heap.h"
+
+namespace hydrotin {
+
+std::int64_t cost_of(const DrainageProblem& problem, std::span<const std::int32_t> surface, ChangeMeasure measure) {
+  assert(surface.size() == problem.height.size() && "one height per member");
+  std::int64_t cost = 0;
+  for (std::uint32_t v = 0; v < problem.size(); ++v) {
+    const std::int64_t moved = std::abs(std::int64_t{surface[v]} - problem.height[v]);
+    switch (measure) {
+      case ChangeMeasure::total:
+      case ChangeMeasure::volume:
+        cost += moved * problem.weight_of(v);
+        break;
+      case ChangeMeasure::max:
+        cost = std::max(cost, moved);
+        break;
+      case ChangeMeasure::count:
+        cost += moved != 0;
+        break;
+    }
+  }
+  return cost;
+}
+
+std::vector<std::int32_t> lift(const DrainageProblem& problem, std::span<const std::int32_t> surface) {
+  assert(surface.size() == problem.height.size() && "one height per member");
+  const auto key = [](std::int32_t level, std::uint32_t v) {
+    return (std::uint64_t{static_cast<std::uint32_t>(level) ^ 0x80000000u} << 32) | v;
+  };
+  std::vector<std::int32_t> level(surface.size(), kNoLevel);
+  MinHeap heap;
+  for (std::uint32_t v = 0; v < problem.size(); ++v) {
+    if (problem.exit[v] == kNoLevel) continue;
+    level[v] = std::max(problem.exit[v], surface[v]);
+    heap.push(key(level[v], v));
+  }
+  while (!heap.empty()) {
+    const std::uint64_t top = heap.pop();
+    const auto v = static_cast<std::uint32_t>(top);
+    if (top != key(level[v], v)) continue;
+    for (const std::uint32_t w : problem.neighbors(v)) {
+      const std::int32_t through = std::max(level[v], surface[w]);
+      if (through >= level[w]) continue;
+      level[w] = through;
+      heap.push(key(through, w));
+    }
+  }
+  return level;
+}
+
+bool drains(const DrainageProblem& problem, std::span<const std::int32_t> surface) {
+  return std::ranges::equal(lift(problem, surface), surface);
+}
+
+}  // namespace hydrotin

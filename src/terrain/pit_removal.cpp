@@ -15,6 +15,7 @@ namespace {
 
 MemberReach reach_of(const RemovalOptions& options) {
   if (options.method == RemovalMethod::lift) return MemberReach::lifted;
+  if (options.measure == ChangeMeasure::max) return MemberReach::paths;
   const bool wide = options.method == RemovalMethod::greedy_breach ||
                     (options.method == RemovalMethod::least_change && options.thorough);
   return wide ? MemberReach::centers : MemberReach::paths;
@@ -25,6 +26,7 @@ std::vector<std::int32_t> solve(const DrainageProblem& problem, const RemovalOpt
     case RemovalMethod::least_change:
       return least_change(problem, {options.measure, options.limits.max_depth, options.thorough, options.max_rounds});
     case RemovalMethod::greedy_breach: {
+      if (options.measure == ChangeMeasure::max) return breach_all(problem, options.measure, options.limits.max_depth);
       GreedyBreach greedy = greedy_breach(problem, options.measure, options.limits.max_depth);
       result.num_unguaranteed += greedy.has_guarantee ? 0 : 1;
       return std::move(greedy.surface);

@@ -29,7 +29,8 @@ namespace hydrotin {
 enum class RemovalMethod : std::uint8_t {
   lift,           ///< raise only: optimal in all measures at once
   breach,         ///< lower only: single pits by Theorem 6.2, then one after the other
-  greedy_breach,  ///< lower only: Algorithm 6.1, within 2 ln m of the optimum where clusters are small enough
+  greedy_breach,  ///< lower only: Algorithm 6.1, within 2 ln m of the optimum where clusters are small enough; for the
+                  ///< measure max the same as breach, which is optimal then
   least_change,   ///< raise and lower
 };
 
@@ -37,9 +38,9 @@ struct RemovalOptions {
   RemovalMethod method = RemovalMethod::least_change;
   ChangeMeasure measure = ChangeMeasure::total;
   BreachLimits limits;
-  int max_rounds = 6;     ///< see LeastChangeOptions
-  bool thorough = false;  ///< least_change: looks at all vertices where breaches could meet, and starts from
-                          ///< Algorithm 6.1 too where the component is small enough: for small terrains
+  int max_rounds = 6;       ///< see LeastChangeOptions
+  bool thorough = false;    ///< least_change: looks at all vertices where breaches could meet, and starts from
+                            ///< Algorithm 6.1 too where the component is small enough: for small terrains
   bool with_bound = false;  ///< find `Removal::bound`, which takes about as long as a flood for each pit's basin
 };
 

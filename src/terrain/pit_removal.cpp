@@ -90,7 +90,7 @@ Removal remove_pits(const ChangeableTerrain& terrain, const RemovalOptions& opti
   }
   result.num_pits = components.num_pits;
   result.num_unbreached = components.num_unbreached;
-  result.level = std::move(components.level);
+  result.components = std::move(components);
   return result;
 }
 

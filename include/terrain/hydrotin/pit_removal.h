@@ -46,7 +46,7 @@ struct RemovalOptions {
 
 struct Removal {
   std::vector<std::int32_t> height;    ///< [n] final heights
-  std::vector<std::int32_t> level;     ///< [n] of `lift`
+  PitComponents components;            ///< what was solved, with the levels of `lift`; for pit_edits.h
   std::int64_t cost = 0;               ///< in the measure; for volume: sum of weight times displacement
   std::int64_t bound = 0;              ///< no surface that the method could give costs less; 0 if it was not asked for
   bool is_optimal = false;             ///< proven: cost == bound, or no better surface exists for another reason

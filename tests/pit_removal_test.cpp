@@ -512,6 +512,98 @@ TEST(PitRemoval, LimitsOfBreaching) {
   }
 }
 
+// Deep lakes with searches that end early: still no pit, still the same in every numbering, still never above lifting.
+TEST(PitRemoval, LimitedSearchesKeepThePromises) {
+  std::uint64_t num_unfinished = 0;
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    SCOPED_TRACE(seed);
+    GridTerrain grid = make_grid(seed, 60, 60, 100, 30);
+    grid.height = testing::relief_heights(seed, grid.position, 3000, 3000, seed % 2 == 0 ? 40 : 3);
+    if (seed % 3 == 0) {  // plateaus
+      for (auto& z : grid.height) z /= 100;
+    }
+    auto is_outlet = testing::hull_flags(grid);
+    if (seed % 4 == 1) {
+      is_outlet.assign(grid.num_vertices(), 0);
+      is_outlet[lowest_vertex(grid.height, grid.position)] = 1;
+    }
+    std::vector<std::uint32_t> to(grid.num_vertices());
+    std::iota(to.begin(), to.end(), 0u);
+    testing::shuffle(seed, to);
+    GridTerrain moved = grid;
+    std::vector<std::uint8_t> moved_outlet(is_outlet.size());
+    for (std::uint32_t v = 0; v < to.size(); ++v) {
+      moved.height[to[v]] = grid.height[v];
+      moved.position[to[v]] = grid.position[v];
+      moved_outlet[to[v]] = is_outlet[v];
+    }
+    for (auto& v : moved.triangle) v = to[v];
+    const Sample a = sample_of(grid, is_outlet), b = sample_of(moved, moved_outlet);
+    for (const ChangeMeasure measure : kMeasures) {
+      std::int64_t lift_cost = 0, breach_cost = 0;
+      for (const RemovalMethod method : {RemovalMethod::lift, RemovalMethod::breach, RemovalMethod::least_change}) {
+        RemovalOptions options;
+        options.method = method;
+        options.measure = measure;
+        options.limits.max_visits = 20;
+        options.with_bound = true;
+        const Removal p = remove_pits(a.view(measure), options), q = remove_pits(b.view(measure), options);
+        for (std::uint32_t v = 0; v < to.size(); ++v) {
+          ASSERT_EQ(p.height[v], q.height[to[v]]) << static_cast<int>(method) << static_cast<int>(measure);
+          EXPECT_LE(p.height[v], p.components.level[v]);
+        }
+        EXPECT_TRUE(oracle::has_no_pit(a.around, p.height, a.is_outlet));
+        EXPECT_LE(p.bound, p.cost);
+        num_unfinished += p.components.num_unfinished;
+        if (method == RemovalMethod::lift) lift_cost = p.cost;
+        if (method == RemovalMethod::breach) breach_cost = p.cost;
+        if (method == RemovalMethod::least_change) {
+          EXPECT_LE(p.cost, std::min(lift_cost, breach_cost));
+          if (measure == ChangeMeasure::total) {
+            EXPECT_LT(p.cost, lift_cost);
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(num_unfinished, 50u);
+}
+
+// River vertices that must not move, and bounds on all others: a later step's way of using the problems.
+TEST(PitRemoval, BoundsAreKept) {
+  std::size_t num_bound = 0;
+  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    SCOPED_TRACE(seed);
+    const OutletTerrain t = make_outlet_terrain(seed);
+    const Sample s = sample_of(t.grid, t.is_outlet);
+    const auto level = lift(s.graph, s.height, s.is_outlet);
+    Random random(seed);
+    std::vector<std::int32_t> lower, upper;
+    for (std::size_t v = 0; v < level.size(); ++v) {
+      const std::int32_t top = level[v] == kNoLevel ? s.height[v] : level[v];
+      const bool is_fixed = top == s.height[v] && random.below(3) == 0;
+      lower.push_back(is_fixed ? s.height[v] : s.height[v] - static_cast<std::int32_t>(random.below(4)));
+      upper.push_back(is_fixed ? s.height[v] : top + static_cast<std::int32_t>(random.below(3)));
+    }
+    auto terrain = s.view(ChangeMeasure::total);
+    terrain.lower = lower;
+    terrain.upper = upper;
+    for (const RemovalMethod method : kMethods) {
+      RemovalOptions options;
+      options.method = method;
+      const Removal r = remove_pits(terrain, options);
+      for (std::size_t v = 0; v < level.size(); ++v) {
+        EXPECT_GE(r.height[v], lower[v]);
+        EXPECT_LE(r.height[v], upper[v]);
+        num_bound += r.height[v] != s.height[v] && r.height[v] == lower[v];
+      }
+      for (const auto& pit : oracle::pits(s.around, r.height, s.position, s.is_outlet))
+        EXPECT_EQ(level[pit.vertex], kNoLevel);
+    }
+  }
+  EXPECT_GT(num_bound, 100u);
+}
+
 TEST(PitRemoval, FlatTerrainPlateausAndSeveralMinima) {
   for (const RemovalMethod method : kMethods) {
     SCOPED_TRACE(static_cast<int>(method));

@@ -95,6 +95,8 @@ FillResult compare(const Mesh& before, const Mesh& after, const FillTerrain& ter
   return result;
 }
 
+constexpr std::size_t kUnlimitedVertices = 200'000;  // up to here the search for each breach is run to its end
+
 /// Small terrains are searched thoroughly.
 bool is_small(std::uint64_t num_pits, std::uint64_t num_vertices) {
   return (num_pits + 1) * (num_pits + 1) <= kGreedyBreachLimit / std::max<std::uint64_t>(num_vertices, 1);
@@ -152,6 +154,8 @@ int fill(const FillArguments& arguments) {
   const auto is_outlet = find_outlets(arguments.tin, arguments.outlets, terrain);
   const auto ends = keep_other_pits(arguments.pits, terrain, is_outlet);
   options.thorough = is_small(count_pits(terrain.graph, terrain.height, ends), terrain.height.size());
+  if (options.thorough) options.max_rounds = 6;
+  if (terrain.height.size() > kUnlimitedVertices) options.limits.max_visits = kScalableVisits;
   ChangeableTerrain changeable{&terrain.graph, terrain.height, terrain.position, ends, {}, {}, {}};
   if (options.measure == ChangeMeasure::volume) changeable.weight = terrain.weight;
   const Removal removal = remove_pits(changeable, options);

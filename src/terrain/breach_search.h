@@ -7,6 +7,8 @@
 #include <tuple>
 #include <vector>
 
+#include "min_heap.h"
+
 namespace hydrotin {
 
 /// Theorem 6.2: the cheapest way to let a pit at `level` drain by lowering, found by a search for shortest paths in
@@ -24,10 +26,14 @@ class BreachSearch {
  public:
   explicit BreachSearch(std::size_t num_vertices) : label_(num_vertices) {}
 
-  /// Finds the way from any of `sources`, all at `level`; false if there is none.
+  /// Finds the way from any of `sources`, all at `level`; false if there is none, or if more than `max_visits` vertices
+  /// cost less to reach than the goal. (Which vertices these are does not depend on the order of visits.)
   template <class Ground>
-  bool run(const Ground& ground, std::span<const std::uint32_t> sources, std::int32_t level) {
+  bool run(const Ground& ground, std::span<const std::uint32_t> sources, std::int32_t level,
+           std::uint64_t max_visits = ~std::uint64_t{0}) {
     start();
+    std::uint64_t num_visits = 0;
+    std::int64_t limit_cost = -1;  // of the last vertex that may be visited
     for (const std::uint32_t v : sources) {
       label_[v] = {0, 0, kSource, open_};
       push({0, 0, v, 0});
@@ -39,6 +45,11 @@ class BreachSearch {
       const Entry entry = pop();
       if (is_found && std::tie(entry.cost, entry.hops) != std::tie(best.cost, best.hops)) break;
       if (entry.leaves == 0 && label_[entry.v].state == open_ + 1) continue;  // settled before
+      if (limit_cost >= 0 && entry.cost > limit_cost) {
+        is_unfinished_ = true;
+        return false;
+      }
+      if (++num_visits == max_visits) limit_cost = entry.cost;
       if (entry.leaves != 0 || (label_[entry.v].parent != kSource && ground.is_goal(entry.v, level))) {
         if (!is_found || ground.before(entry.v, best.v)) best = entry;
         is_found = true;
@@ -55,6 +66,8 @@ class BreachSearch {
   [[nodiscard]] std::span<const std::uint32_t> path() const { return path_; }
   [[nodiscard]] bool leaves() const { return leaves_; }
   [[nodiscard]] std::int64_t cost() const { return cost_; }
+  /// After a run without success: whether `max_visits` ended it.
+  [[nodiscard]] bool is_unfinished() const { return is_unfinished_; }
   /// All vertices that were reached, in order of discovery.
   [[nodiscard]] std::span<const std::uint32_t> touched() const { return touched_; }
   /// Cost of the cheapest way to a vertex so far, itself included.
@@ -70,10 +83,8 @@ class BreachSearch {
   struct Entry {
     std::int64_t cost;
     std::uint32_t hops, v, leaves;
-    friend bool operator<(const Entry& a, const Entry& b) {
-      return a.cost != b.cost ? a.cost > b.cost : a.hops > b.hops;
-    }
   };
+  __extension__ using Key = unsigned __int128;  // cost, hops, vertex, leaves: 63, 32, 32 and 1 bit
 
   void start() {
     if (open_ >= 0xfffffff0u) {
@@ -85,16 +96,16 @@ class BreachSearch {
     touched_.clear();
     path_.clear();
     limit_ = -1;
+    is_unfinished_ = false;
   }
   void push(const Entry& entry) {
-    heap_.push_back(entry);
-    std::push_heap(heap_.begin(), heap_.end());
+    heap_.push(Key{static_cast<std::uint64_t>(entry.cost)} << 65 | Key{entry.hops} << 33 | Key{entry.v} << 1 |
+               entry.leaves);
   }
   Entry pop() {
-    std::pop_heap(heap_.begin(), heap_.end());
-    const Entry entry = heap_.back();
-    heap_.pop_back();
-    return entry;
+    const Key key = heap_.pop();
+    return {static_cast<std::int64_t>(static_cast<std::uint64_t>(key >> 65)), static_cast<std::uint32_t>(key >> 33),
+            static_cast<std::uint32_t>(key >> 1), static_cast<std::uint32_t>(key & 1)};
   }
 
   template <class Ground>
@@ -136,11 +147,11 @@ class BreachSearch {
   }
 
   std::vector<Label> label_;
-  std::vector<Entry> heap_;
+  BasicMinHeap<Key> heap_;
   std::vector<std::uint32_t> touched_, path_;
   std::uint32_t open_ = 0;
   std::int64_t limit_ = -1, cost_ = 0;
-  bool leaves_ = false;
+  bool leaves_ = false, is_unfinished_ = false;
 };
 
 }  // namespace hydrotin

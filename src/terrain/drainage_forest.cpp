@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "min_heap.h"
+#include "radix_sort.h"
 
 namespace hydrotin {
 namespace {
@@ -15,22 +16,34 @@ constexpr std::int64_t kNever = std::int64_t{1} << 60;  // weight of an upper bo
 
 }  // namespace
 
-void find_forest(const DrainageProblem& problem, std::span<const std::int32_t> surface, DrainageForest& forest) {
+ForestFinder::ForestFinder(const DrainageProblem& problem) : problem_(&problem) {
+  // A rank in 32 bits leaves the other half of a key to the surface.
   const std::uint32_t k = problem.size();
-  // Members in the order (height, number): a rank in 32 bits leaves the other half of a key to the surface.
-  std::vector<std::uint32_t> by_height(k), rank(k);
-  for (std::uint32_t v = 0; v < k; ++v) by_height[v] = v;
-  std::sort(by_height.begin(), by_height.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return problem.height[a] != problem.height[b] ? problem.height[a] < problem.height[b] : a < b;
-  });
-  for (std::uint32_t i = 0; i < k; ++i) rank[by_height[i]] = i;
+  std::vector<std::uint64_t> keys(k);
+  for (std::uint32_t v = 0; v < k; ++v)
+    keys[v] = (std::uint64_t{static_cast<std::uint32_t>(problem.height[v]) ^ 0x80000000u} << 32) | v;
+  if (k > 2000)
+    radix_sort(keys, [](std::uint64_t key) { return key >> 32; });
+  else
+    std::sort(keys.begin(), keys.end());
+  by_height_.resize(k);
+  rank_.resize(k);
+  for (std::uint32_t i = 0; i < k; ++i) {
+    by_height_[i] = static_cast<std::uint32_t>(keys[i]);
+    rank_[by_height_[i]] = i;
+  }
+}
+
+void ForestFinder::run(std::span<const std::int32_t> surface, DrainageForest& forest) {
+  const DrainageProblem& problem = *problem_;
+  const std::uint32_t k = problem.size();
   constexpr std::uint32_t kWaiting = kRoot - 1;
   forest.parent.assign(k, kWaiting);
   forest.order.clear();
   std::vector<bool> is_done(k);
   MinHeap heap;
   const auto push = [&](std::uint32_t v) {
-    heap.push((std::uint64_t{static_cast<std::uint32_t>(surface[v]) ^ 0x80000000u} << 32) | rank[v]);
+    heap.push((std::uint64_t{static_cast<std::uint32_t>(surface[v]) ^ 0x80000000u} << 32) | rank_[v]);
   };
   for (std::uint32_t v = 0; v < k; ++v) {
     if (problem.exit[v] == kNoLevel || problem.exit[v] > surface[v]) continue;
@@ -38,7 +51,7 @@ void find_forest(const DrainageProblem& problem, std::span<const std::int32_t> s
     push(v);
   }
   while (!heap.empty()) {
-    const std::uint32_t v = by_height[static_cast<std::uint32_t>(heap.pop())];
+    const std::uint32_t v = by_height_[static_cast<std::uint32_t>(heap.pop())];
     is_done[v] = true;
     forest.order.push_back(v);
     for (const std::uint32_t w : problem.neighbors(v)) {

@@ -41,15 +41,24 @@ std::vector<std::int32_t> lift(const DrainageProblem& problem, std::span<const s
     level[v] = std::max(problem.exit[v], surface[v]);
     heap.push(key(level[v], v));
   }
+  std::vector<std::uint32_t> pool;  // reached at the level of the water: no need to queue
   while (!heap.empty()) {
     const std::uint64_t top = heap.pop();
-    const auto v = static_cast<std::uint32_t>(top);
-    if (top != key(level[v], v)) continue;
-    for (const std::uint32_t w : problem.neighbors(v)) {
-      const std::int32_t through = std::max(level[v], surface[w]);
-      if (through >= level[w]) continue;
-      level[w] = through;
-      heap.push(key(through, w));
+    if (top != key(level[static_cast<std::uint32_t>(top)], static_cast<std::uint32_t>(top))) continue;
+    pool.push_back(static_cast<std::uint32_t>(top));
+    while (!pool.empty()) {
+      const std::uint32_t v = pool.back();
+      pool.pop_back();
+      const std::int32_t water = level[v];
+      for (const std::uint32_t w : problem.neighbors(v)) {
+        const std::int32_t through = std::max(water, surface[w]);
+        if (through >= level[w]) continue;
+        level[w] = through;
+        if (through == water)
+          pool.push_back(w);
+        else
+          heap.push(key(through, w));
+      }
     }
   }
   return level;

@@ -169,7 +169,7 @@ GreedyBreach greedy_breach(const DrainageProblem& problem, ChangeMeasure measure
     if (is_first) {
       result.num_pits = pits.pit.size();
       if (m * m > kGreedyBreachLimit / std::max(problem.size(), 1u)) {
-        result.surface = breach_all(problem, measure, max_depth);
+        result.surface = breach_all(problem, measure, {max_depth});
         result.has_guarantee = false;
         return result;
       }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "breach_search.h"
@@ -31,6 +32,12 @@ struct TerrainGround {
     if (any_drained_is_goal) return flood_level[v] <= level;
     const std::int32_t h = terrain->height[v];
     return h < level || (h == level && flood_level[v] == h);
+  }
+  /// The same for heights up to `top` only.
+  [[nodiscard]] TerrainGround limited_to(std::int32_t top, std::int32_t level) const {
+    TerrainGround ground = *this;
+    ground.max_depth = std::min(max_depth, std::int64_t{top} - level);
+    return ground;
   }
   [[nodiscard]] static bool is_exit(std::uint32_t, std::int32_t) { return false; }
   [[nodiscard]] bool before(std::uint32_t v, std::uint32_t w) const {
@@ -99,19 +106,27 @@ class Breacher {
         limits_(limits),
         search_(terrain.height.size()) {
     if (measure == ChangeMeasure::max) is_touched_.resize(terrain.height.size(), 0);
+    for (std::size_t v = 0; v < terrain.height.size(); ++v)
+      if (terrain.is_outlet[v]) lowest_outlet_ = std::min(lowest_outlet_, terrain.height[v]);
   }
 
   /// Whether the pit can be breached within the limits.
-  bool run(std::span<const std::uint32_t> plateau) {
+  bool run(std::span<const std::uint32_t> plateau, bool to_the_end = false) {
     const std::int32_t level = terrain_->height[plateau.front()];
+    if (is_hopeless(plateau.front())) return false;
     TerrainGround ground = ground_;
     if (ground.measure == ChangeMeasure::max) {
       const std::int64_t depth = bottleneck_depth(*terrain_, ground, plateau, level, touched_, is_touched_);
       if (depth < 0) return false;
       ground.max_depth = depth;
     }
-    return search_.run(ground, plateau, level) && length() <= limits_.max_length;
+    if (!to_the_end) return search_.run(ground, plateau, level, limits_.max_visits) && length() <= limits_.max_length;
+    const TerrainGround below_spill = ground.limited_to(ground.flood_level[plateau.front()], level);
+    return (search_.run(below_spill, plateau, level) || search_.run(ground, plateau, level)) &&
+           length() <= limits_.max_length;
   }
+  /// Whether the last search was ended by `max_visits`.
+  [[nodiscard]] bool is_unfinished() const { return search_.is_unfinished(); }
   /// The way of water that is raised just so far that it can leave by a breach. For pits below all outlets in reach.
   bool run_raised(std::span<const std::uint32_t> plateau) {
     TerrainGround ground = ground_;
@@ -123,6 +138,7 @@ class Breacher {
       if (depth < 0) return false;
       ground.max_depth = depth;
     }
+    if (limits_.max_visits != ~std::uint64_t{0}) ground = ground.limited_to(ground.flood_level[plateau.front()], level);
     return search_.run(ground, plateau, level) && length() <= limits_.max_length;
   }
   [[nodiscard]] const BreachSearch& search() const { return search_; }
@@ -143,36 +159,50 @@ class Breacher {
   }
 
  private:
+  // Whether nothing lower than v, and no outlet as low, can be reached without passing an outlet.
+  bool is_hopeless(std::uint32_t v) {
+    if (terrain_->height[v] >= lowest_outlet_) return false;
+    const Region& region = region_around(v);
+    return region.outlet > terrain_->height[v] && region.bottom >= terrain_->height[v];
+  }
   // The lowest outlet that water can reach without passing another.
-  std::int32_t lowest_outlet_around(std::uint32_t seed) {
+  std::int32_t lowest_outlet_around(std::uint32_t v) { return region_around(v).outlet; }
+
+  // Vertices joined without outlets, with the outlets beside them.
+  struct Region {
+    std::int32_t outlet = kNoLevel, bottom = kNoLevel;
+  };
+  const Region& region_around(std::uint32_t seed) {
     constexpr std::uint32_t kNone = 0xffffffffu;
     if (region_.empty()) region_.assign(terrain_->height.size(), kNone);
     if (region_[seed] == kNone) {
-      std::int32_t lowest = kNoLevel;
+      Region region;
       std::vector<std::uint32_t> open{seed};
-      region_[seed] = static_cast<std::uint32_t>(lowest_outlet_.size());
+      region_[seed] = static_cast<std::uint32_t>(regions_.size());
       while (!open.empty()) {
         const std::uint32_t v = open.back();
         open.pop_back();
+        region.bottom = std::min(region.bottom, terrain_->height[v]);
         for (const std::uint32_t w : terrain_->graph->neighbors(v)) {
           if (terrain_->is_outlet[w]) {
-            lowest = std::min(lowest, terrain_->height[w]);
+            region.outlet = std::min(region.outlet, terrain_->height[w]);
           } else if (region_[w] == kNone) {
             region_[w] = region_[seed];
             open.push_back(w);
           }
         }
       }
-      lowest_outlet_.push_back(lowest);
+      regions_.push_back(region);
     }
-    return lowest_outlet_[region_[seed]];
+    return regions_[region_[seed]];
   }
 
   const ChangeableTerrain* terrain_;
   TerrainGround ground_;
   BreachLimits limits_;
   std::vector<std::uint32_t> region_;  // made when first needed
-  std::vector<std::int32_t> lowest_outlet_;
+  std::vector<Region> regions_;
+  std::int32_t lowest_outlet_ = kNoLevel;
   BreachSearch search_;
   std::vector<std::uint32_t> touched_;
   std::vector<std::uint8_t> is_touched_;
@@ -215,34 +245,18 @@ class ComponentFinder {
   }
 
   void add_breaches(Breacher& breacher, bool with_centers) {
-    std::vector<std::uint32_t> added;  // members found now must not count as lifted while searching: they do not matter
-    for (std::size_t i = 0; i < pits_.size(); ++i) {
-      const std::span<const std::uint32_t> plateau(plateau_vertex_.data() + plateau_begin_[i],
-                                                   plateau_vertex_.data() + plateau_begin_[i + 1]);
-      if (!breacher.run(plateau)) {
-        ++result_->num_unbreached;
-        if (breacher.run_raised(plateau))
-          for (const std::uint32_t v : breacher.search().path())
-            if (!terrain_->is_outlet[v]) added.push_back(v);
-        continue;
-      }
-      const std::int32_t level = height(pits_[i]);
-      const auto path = breacher.search().path();
-      result_->dearest_breach = std::max(result_->dearest_breach, breacher.cost());
-      for (const std::uint32_t v : path.first(path.size() - 1)) {
-        added.push_back(v);
-        result_->breached[v] = std::min(result_->breached[v], level);
-      }
-      if (!with_centers) continue;
-      const std::int64_t cost = breacher.search().cost();
-      for (const std::uint32_t v : breacher.search().touched()) {
-        if (breacher.search().cost_to(v) >= cost) continue;
-        if (!terrain_->is_outlet[v] && height(v) >= level) added.push_back(v);
-        for (const std::uint32_t w : neighbors(v))
-          if (!terrain_->is_outlet[w] && height(w) >= level) added.push_back(w);
-      }
+    std::vector<std::uint32_t> unfinished;
+    for (std::uint32_t i = 0; i < pits_.size(); ++i) {
+      if (breacher.run(plateau(i)))
+        add_path(i, breacher, with_centers);
+      else if (breacher.is_unfinished())
+        unfinished.push_back(i);
+      else
+        add_raised_path(i, breacher);
     }
-    for (const std::uint32_t v : added) is_member_[v] = 1;
+    result_->num_unfinished = unfinished.size();
+    if (!unfinished.empty()) open_lakes(breacher, unfinished);
+    for (const std::uint32_t v : added_) is_member_[v] = 1;
   }
 
   /// Adds flats outside that touch members and have neither an outlet nor a neighbour whose level is lower.
@@ -325,6 +339,64 @@ class ComponentFinder {
     return terrain_->graph->neighbors(v);
   }
 
+  [[nodiscard]] std::span<const std::uint32_t> plateau(std::uint32_t pit) const {
+    return {plateau_vertex_.data() + plateau_begin_[pit], plateau_vertex_.data() + plateau_begin_[pit + 1]};
+  }
+
+  void add_path(std::uint32_t pit, const Breacher& breacher, bool with_centers) {
+    const std::int32_t level = height(pits_[pit]);
+    const BreachSearch& search = breacher.search();
+    const std::int64_t cost = search.cost();
+    result_->dearest_breach = std::max(result_->dearest_breach, breacher.cost());
+    for (const std::uint32_t v : search.path().first(search.path().size() - 1)) {
+      added_.push_back(v);
+      result_->breached[v] = std::min(result_->breached[v], level);
+    }
+    if (!with_centers) return;
+    const auto may_meet = [&](std::uint32_t v) { return !terrain_->is_outlet[v] && height(v) >= level; };
+    for (const std::uint32_t v : search.touched()) {
+      if (search.cost_to(v) >= cost) continue;
+      if (may_meet(v)) added_.push_back(v);
+      for (const std::uint32_t w : neighbors(v))
+        if (may_meet(w)) added_.push_back(w);
+    }
+  }
+
+  void add_raised_path(std::uint32_t pit, Breacher& breacher) {
+    ++result_->num_unbreached;
+    if (!breacher.run_raised(plateau(pit))) return;
+    for (const std::uint32_t v : breacher.search().path())
+      if (!terrain_->is_outlet[v]) added_.push_back(v);
+  }
+
+  // One search to its end for each lake with unfinished pits: for the lowest of them.
+  void open_lakes(Breacher& breacher, std::vector<std::uint32_t>& unfinished) {
+    std::sort(unfinished.begin(), unfinished.end(), [&](std::uint32_t a, std::uint32_t b) {
+      const auto key = [&](std::uint32_t i) { return std::tuple(height(pits_[i]), terrain_->position[pits_[i]]); };
+      return key(a) < key(b);
+    });
+    std::vector<std::uint8_t> is_open(is_member_.size(), 0);
+    std::vector<std::uint32_t> lake;
+    for (const std::uint32_t i : unfinished) {
+      if (is_open[pits_[i]] != 0) continue;
+      lake.assign(1, pits_[i]);
+      is_open[pits_[i]] = 1;
+      while (!lake.empty()) {
+        const std::uint32_t v = lake.back();
+        lake.pop_back();
+        for (const std::uint32_t w : neighbors(v)) {
+          if (is_member_[w] == 0 || is_open[w] != 0) continue;
+          is_open[w] = 1;
+          lake.push_back(w);
+        }
+      }
+      if (breacher.run(plateau(i), true))
+        add_path(i, breacher, false);
+      else
+        add_raised_path(i, breacher);
+    }
+  }
+
   void sort_by_position(std::vector<std::uint32_t>& member, std::size_t from) {
     keyed_.clear();
     for (std::size_t i = from; i < member.size(); ++i) {
@@ -339,6 +411,8 @@ class ComponentFinder {
   const ChangeableTerrain* terrain_;
   PitComponents* result_;
   std::vector<std::uint8_t> is_member_;
+  std::vector<std::uint32_t>
+      added_;  // members found by breaches; while these are sought, members are the raised vertices
   std::vector<std::uint32_t> pits_, plateau_begin_, plateau_vertex_, plateau_;
   std::vector<std::pair<std::uint64_t, std::uint32_t>> keyed_;
 };

@@ -41,7 +41,7 @@ class BreachFollower {
  public:
   BreachFollower(const DrainageProblem& problem, std::span<const std::int32_t> surface, ProblemEdits& result)
       : problem_(&problem), surface_(surface), result_(&result), is_taken_(problem.size()), is_ahead_(problem.size()) {
-    find_forest(problem, surface, forest_);
+    ForestFinder(problem).run(surface, forest_);
     for (const std::uint32_t v : forest_.order) {
       const std::uint32_t p = forest_.parent[v];
       is_ahead_[v] = is_lowered(v) || (p != kRoot && is_ahead_[p]);

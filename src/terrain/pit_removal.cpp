@@ -22,17 +22,18 @@ MemberReach reach_of(const RemovalOptions& options) {
 }
 
 std::vector<std::int32_t> solve(const DrainageProblem& problem, const RemovalOptions& options, Removal& result) {
+  const SearchLimits limits{options.limits.max_depth, options.limits.max_visits};
   switch (options.method) {
     case RemovalMethod::least_change:
-      return least_change(problem, {options.measure, options.limits.max_depth, options.thorough, options.max_rounds});
+      return least_change(problem, {options.measure, limits, options.thorough, options.max_rounds});
     case RemovalMethod::greedy_breach: {
-      if (options.measure == ChangeMeasure::max) return breach_all(problem, options.measure, options.limits.max_depth);
+      if (options.measure == ChangeMeasure::max) return breach_all(problem, options.measure, limits);
       GreedyBreach greedy = greedy_breach(problem, options.measure, options.limits.max_depth);
       result.num_unguaranteed += greedy.has_guarantee ? 0 : 1;
       return std::move(greedy.surface);
     }
     case RemovalMethod::breach:
-      return breach_all(problem, options.measure, options.limits.max_depth);
+      return breach_all(problem, options.measure, limits);
     case RemovalMethod::lift:
       break;
   }
@@ -45,7 +46,7 @@ std::int64_t bound_of(const ChangeableTerrain& terrain, const RemovalOptions& op
                       std::int64_t cost) {
   if (options.method == RemovalMethod::lift) return cost;
   std::int64_t bound = change_bound(terrain, components.level, options.measure);
-  if (options.method != RemovalMethod::least_change && components.num_unbreached == 0)
+  if (options.method != RemovalMethod::least_change && components.num_unbreached == 0 && components.num_unfinished == 0)
     bound = std::max(bound, components.dearest_breach);
   return bound;
 }

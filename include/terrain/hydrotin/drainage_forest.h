@@ -47,7 +47,15 @@ struct DrainageForest {
 ///
 /// @param surface  [k], drains.
 /// Complexity: O((k + e) log k).
-void find_forest(const DrainageProblem& problem, std::span<const std::int32_t> surface, DrainageForest& forest);
+class ForestFinder {
+ public:
+  explicit ForestFinder(const DrainageProblem& problem);
+  void run(std::span<const std::int32_t> surface, DrainageForest& forest);
+
+ private:
+  const DrainageProblem* problem_;
+  std::vector<std::uint32_t> by_height_, rank_;  // members in the order (height, number)
+};
 
 class TreeRegression {
  public:

@@ -38,10 +38,17 @@
 namespace hydrotin {
 
 /// Limits of one breach; a pit without a breach within them is lifted.
+///
+/// `max_visits` bounds the work for terrains with deep lakes, where the search of Theorem 6.2 looks at a whole lake for
+/// each of its pits. Of the pits of a lake (a connected set of raised vertices) whose searches would look at more, the
+/// lowest is searched for to the end; the others are breached along the forest by which the flood drains the lake. The
+/// costs of these are not the least.
+inline constexpr std::uint64_t kScalableVisits = 1000;  ///< for terrains of millions of pits
 struct BreachLimits {
   std::int32_t max_depth = std::numeric_limits<std::int32_t>::max();  ///< of lowering a vertex [z lattice units]
   double max_length =
-      std::numeric_limits<double>::infinity();  ///< from the pit's last vertex to the goal [lattice units]
+      std::numeric_limits<double>::infinity();   ///< horizontally, from the pit to the goal [lattice units]
+  std::uint64_t max_visits = ~std::uint64_t{0};  ///< vertices cheaper to reach than the goal
 };
 
 /// The terrain and what may be done to it. Spans may be empty where noted.
@@ -87,6 +94,7 @@ struct PitComponents {
   std::vector<std::int32_t> breached;    ///< [n] the least of height and levels of the breach paths through a vertex
   std::uint64_t num_pits = 0;            ///< of those that can drain
   std::int64_t dearest_breach = 0;       ///< cost of the dearest of the breaches by themselves
+  std::uint64_t num_unfinished = 0;      ///< pits whose search was ended by `max_visits`
   std::uint64_t num_unbreached = 0;      ///< of these, pits without a breach within the limits
   std::vector<std::uint32_t> pit_begin;  ///< [C + 1] pits of component i: pit[pit_begin[i] .. pit_begin[i + 1])
   std::vector<std::uint32_t> pit;        ///< smallest vertices of plateaus by (x, y), ascending by (height, x, y)

@@ -38,7 +38,7 @@ struct RemovalOptions {
   RemovalMethod method = RemovalMethod::least_change;
   ChangeMeasure measure = ChangeMeasure::total;
   BreachLimits limits;
-  int max_rounds = 6;       ///< see LeastChangeOptions
+  int max_rounds = 3;       ///< see LeastChangeOptions
   bool thorough = false;    ///< least_change: looks at all vertices where breaches could meet, and starts from
                             ///< Algorithm 6.1 too where the component is small enough: for small terrains
   bool with_bound = false;  ///< find `Removal::bound`, which takes about as long as a flood for each pit's basin

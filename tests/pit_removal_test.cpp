@@ -331,6 +331,7 @@ TEST(PitRemoval, ComponentsCanBeSolvedInAnyOrder) {
       auto surface = random.below(2) == 0 ? level : lift(problem, problem.breached);
       for (std::uint32_t j = 0; j < problem.size(); ++j) {
         EXPECT_EQ(level[j], c.level[c.member[c.begin[i] + j]]);
+        EXPECT_EQ(level[j], problem.level[j]);
         if (j > 0) {
           EXPECT_LT(s.position[c.member[c.begin[i] + j - 1]], s.position[c.member[c.begin[i] + j]]);
         }

@@ -64,6 +64,10 @@ std::vector<std::int32_t> lift(const DrainageProblem& problem, std::span<const s
   return level;
 }
 
+std::vector<std::int32_t> level_of(const DrainageProblem& problem) {
+  return problem.level.empty() ? lift(problem, problem.height) : problem.level;
+}
+
 bool drains(const DrainageProblem& problem, std::span<const std::int32_t> surface) {
   return std::ranges::equal(lift(problem, surface), surface);
 }

@@ -186,13 +186,13 @@ Corridor narrowest_corridor(const DrainageProblem& problem, const std::vector<st
 
 std::vector<std::int32_t> breach_all(const DrainageProblem& problem, ChangeMeasure measure,
                                      const SearchLimits& limits) {
-  const std::vector<std::int32_t> level = lift(problem, problem.height);
+  const std::vector<std::int32_t> level = level_of(problem);
   return cheapest(problem, breached_surfaces(problem, level, measure, limits), measure);
 }
 
 std::vector<std::int32_t> least_change(const DrainageProblem& problem, const LeastChangeOptions& options) {
   assert(problem.lower.size() == problem.upper.size() && "both bounds or none");
-  const std::vector<std::int32_t> level = lift(problem, problem.height);
+  const std::vector<std::int32_t> level = level_of(problem);
   Improver improver(problem, level, options);
   if (options.measure == ChangeMeasure::max) {
     Corridor c = narrowest_corridor(problem, level);

@@ -107,7 +107,10 @@ class Breacher {
         search_(terrain.height.size()) {
     if (measure == ChangeMeasure::max) is_touched_.resize(terrain.height.size(), 0);
     for (std::size_t v = 0; v < terrain.height.size(); ++v)
-      if (terrain.is_outlet[v]) lowest_outlet_ = std::min(lowest_outlet_, terrain.height[v]);
+      if (terrain.is_outlet[v])
+        lowest_outlet_ = std::min(lowest_outlet_, terrain.height[v]);
+      else
+        bottom_ = std::min(bottom_, terrain.height[v]);
   }
 
   /// Whether the pit can be breached within the limits.
@@ -129,17 +132,10 @@ class Breacher {
   [[nodiscard]] bool is_unfinished() const { return search_.is_unfinished(); }
   /// The way of water that is raised just so far that it can leave by a breach. For pits below all outlets in reach.
   bool run_raised(std::span<const std::uint32_t> plateau) {
-    TerrainGround ground = ground_;
-    ground.any_drained_is_goal = true;
-    const std::int32_t level = lowest_outlet_around(plateau.front());
-    if (level == kNoLevel) return false;
-    if (ground.measure == ChangeMeasure::max) {
-      const std::int64_t depth = bottleneck_depth(*terrain_, ground, plateau, level, touched_, is_touched_);
-      if (depth < 0) return false;
-      ground.max_depth = depth;
-    }
-    if (limits_.max_visits != ~std::uint64_t{0}) ground = ground.limited_to(ground.flood_level[plateau.front()], level);
-    return search_.run(ground, plateau, level) && length() <= limits_.max_length;
+    if (lowest_outlet_ == kNoLevel) return false;
+    if (run_raised_to(plateau, lowest_outlet_)) return true;
+    const std::int32_t level = lowest_outlet_around(plateau.front());  // the lowest of all is out of reach
+    return level != kNoLevel && level != lowest_outlet_ && run_raised_to(plateau, level);
   }
   [[nodiscard]] const BreachSearch& search() const { return search_; }
   /// In terms of the measure.
@@ -159,50 +155,48 @@ class Breacher {
   }
 
  private:
-  // Whether nothing lower than v, and no outlet as low, can be reached without passing an outlet.
-  bool is_hopeless(std::uint32_t v) {
-    if (terrain_->height[v] >= lowest_outlet_) return false;
-    const Region& region = region_around(v);
-    return region.outlet > terrain_->height[v] && region.bottom >= terrain_->height[v];
+  // Whether nothing is lower than v, and no outlet as low.
+  [[nodiscard]] bool is_hopeless(std::uint32_t v) const {
+    return terrain_->height[v] < lowest_outlet_ && terrain_->height[v] <= bottom_;
   }
-  // The lowest outlet that water can reach without passing another.
-  std::int32_t lowest_outlet_around(std::uint32_t v) { return region_around(v).outlet; }
 
-  // Vertices joined without outlets, with the outlets beside them.
-  struct Region {
-    std::int32_t outlet = kNoLevel, bottom = kNoLevel;
-  };
-  const Region& region_around(std::uint32_t seed) {
-    constexpr std::uint32_t kNone = 0xffffffffu;
-    if (region_.empty()) region_.assign(terrain_->height.size(), kNone);
-    if (region_[seed] == kNone) {
-      Region region;
-      std::vector<std::uint32_t> open{seed};
-      region_[seed] = static_cast<std::uint32_t>(regions_.size());
-      while (!open.empty()) {
-        const std::uint32_t v = open.back();
-        open.pop_back();
-        region.bottom = std::min(region.bottom, terrain_->height[v]);
-        for (const std::uint32_t w : terrain_->graph->neighbors(v)) {
-          if (terrain_->is_outlet[w]) {
-            region.outlet = std::min(region.outlet, terrain_->height[w]);
-          } else if (region_[w] == kNone) {
-            region_[w] = region_[seed];
-            open.push_back(w);
-          }
-        }
+  // The lowest outlet that water can reach without passing another.
+  [[nodiscard]] std::int32_t lowest_outlet_around(std::uint32_t seed) const {
+    std::int32_t lowest = kNoLevel;
+    std::vector<bool> is_reached(terrain_->height.size());
+    std::vector<std::uint32_t> open{seed};
+    is_reached[seed] = true;
+    while (!open.empty()) {
+      const std::uint32_t v = open.back();
+      open.pop_back();
+      for (const std::uint32_t w : terrain_->graph->neighbors(v)) {
+        if (is_reached[w]) continue;
+        is_reached[w] = true;
+        if (terrain_->is_outlet[w])
+          lowest = std::min(lowest, terrain_->height[w]);
+        else
+          open.push_back(w);
       }
-      regions_.push_back(region);
     }
-    return regions_[region_[seed]];
+    return lowest;
+  }
+
+  bool run_raised_to(std::span<const std::uint32_t> plateau, std::int32_t level) {
+    TerrainGround ground = ground_;
+    ground.any_drained_is_goal = true;
+    if (ground.measure == ChangeMeasure::max) {
+      const std::int64_t depth = bottleneck_depth(*terrain_, ground, plateau, level, touched_, is_touched_);
+      if (depth < 0) return false;
+      ground.max_depth = depth;
+    }
+    if (limits_.max_visits != ~std::uint64_t{0}) ground = ground.limited_to(ground.flood_level[plateau.front()], level);
+    return search_.run(ground, plateau, level) && length() <= limits_.max_length;
   }
 
   const ChangeableTerrain* terrain_;
   TerrainGround ground_;
   BreachLimits limits_;
-  std::vector<std::uint32_t> region_;  // made when first needed
-  std::vector<Region> regions_;
-  std::int32_t lowest_outlet_ = kNoLevel;
+  std::int32_t lowest_outlet_ = kNoLevel, bottom_ = kNoLevel;  // of all outlets, of all other vertices
   BreachSearch search_;
   std::vector<std::uint32_t> touched_;
   std::vector<std::uint8_t> is_touched_;
@@ -479,6 +473,7 @@ void make_problem(const ChangeableTerrain& terrain, const PitComponents& compone
     problem.begin.push_back(static_cast<std::uint32_t>(problem.neighbor.size()));
     problem.height.push_back(h);
     problem.exit.push_back(exit);
+    problem.level.push_back(components.level[v]);
     problem.breached.push_back(components.breached[v]);
     if (!terrain.weight.empty()) problem.weight.push_back(terrain.weight[v]);
     if (!terrain.lower.empty()) problem.lower.push_back(terrain.lower[v]);

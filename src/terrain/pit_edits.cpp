@@ -87,7 +87,7 @@ class BreachFollower {
 
 void find_breaches(const DrainageProblem& problem, std::span<const std::int32_t> surface, ProblemEdits& result) {
   BreachFollower follower(problem, surface, result);
-  LocalPits pits = find_local_pits(problem, problem.height, lift(problem, problem.height));
+  LocalPits pits = find_local_pits(problem, problem.height, level_of(problem));
   std::sort(pits.pit.begin(), pits.pit.end(), [](const LocalPit& a, const LocalPit& b) {
     return std::tie(a.height, a.first) < std::tie(b.height, b.first);
   });

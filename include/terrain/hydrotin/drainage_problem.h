@@ -36,6 +36,7 @@ struct DrainageProblem {
   std::vector<std::uint32_t> neighbor;  ///< [2e] members, each list ascending
   std::vector<std::int32_t> height;     ///< [k] below kNoLevel
   std::vector<std::int32_t> exit;       ///< [k] height of the lowest neighbour outside; kNoLevel: none
+  std::vector<std::int32_t> level;      ///< [k] `lift` of the heights; empty: not known
   std::vector<std::int32_t> breached;   ///< [k] heights after the breaches found before cutting; empty: none are known
   std::vector<std::int64_t> weight;     ///< [k] positive costs per unit of displacement; empty: 1
   std::vector<std::int32_t> lower;      ///< [k] bounds of the heights; empty: none. The lifted surface must lie between
@@ -47,7 +48,7 @@ struct DrainageProblem {
   }
   [[nodiscard]] std::int64_t weight_of(std::uint32_t v) const { return weight.empty() ? 1 : weight[v]; }
   void clear() {
-    begin.clear(), neighbor.clear(), height.clear(), exit.clear();
+    begin.clear(), neighbor.clear(), height.clear(), exit.clear(), level.clear();
     breached.clear(), weight.clear(), lower.clear(), upper.clear();
   }
 };
@@ -59,6 +60,9 @@ struct DrainageProblem {
 /// The least surface that drains and lies nowhere below `surface`; kNoLevel where there is none.
 /// Complexity: O((k + e) log k).
 [[nodiscard]] std::vector<std::int32_t> lift(const DrainageProblem& problem, std::span<const std::int32_t> surface);
+
+/// `lift` of the heights, from `level` if that is known.
+[[nodiscard]] std::vector<std::int32_t> level_of(const DrainageProblem& problem);
 
 /// Whether a surface drains. Complexity: O((k + e) log k).
 [[nodiscard]] bool drains(const DrainageProblem& problem, std::span<const std::int32_t> surface);

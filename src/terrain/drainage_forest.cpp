@@ -14,6 +14,14 @@ namespace {
 
 constexpr std::int64_t kNever = std::int64_t{1} << 60;  // weight of an upper bound: no sum of weights reaches it
 
+// Lower halves ascend already among keys with equal upper halves.
+void sort_by_upper_half(std::vector<std::uint64_t>& keys) {
+  if (keys.size() > 2000)
+    radix_sort(keys, [](std::uint64_t key) { return key >> 32; });
+  else
+    std::sort(keys.begin(), keys.end());
+}
+
 }  // namespace
 
 ForestFinder::ForestFinder(const DrainageProblem& problem) : problem_(&problem) {
@@ -22,10 +30,7 @@ ForestFinder::ForestFinder(const DrainageProblem& problem) : problem_(&problem) 
   std::vector<std::uint64_t> keys(k);
   for (std::uint32_t v = 0; v < k; ++v)
     keys[v] = (std::uint64_t{static_cast<std::uint32_t>(problem.height[v]) ^ 0x80000000u} << 32) | v;
-  if (k > 2000)
-    radix_sort(keys, [](std::uint64_t key) { return key >> 32; });
-  else
-    std::sort(keys.begin(), keys.end());
+  sort_by_upper_half(keys);
   by_height_.resize(k);
   rank_.resize(k);
   for (std::uint32_t i = 0; i < k; ++i) {
@@ -34,31 +39,39 @@ ForestFinder::ForestFinder(const DrainageProblem& problem) : problem_(&problem) 
   }
 }
 
+// The order is that of a queue of all reached members by (surface, rank). Most of them are reached before their turn in
+// the sorted list of all, which costs less than a queue; only those reached later, lower places of flats, are queued.
 void ForestFinder::run(std::span<const std::int32_t> surface, DrainageForest& forest) {
   const DrainageProblem& problem = *problem_;
   const std::uint32_t k = problem.size();
   constexpr std::uint32_t kWaiting = kRoot - 1;
+  const auto key = [&](std::uint32_t v) {
+    return (std::uint64_t{static_cast<std::uint32_t>(surface[v]) ^ 0x80000000u} << 32) | rank_[v];
+  };
+  keys_.resize(k);
+  for (std::uint32_t i = 0; i < k; ++i) keys_[i] = key(by_height_[i]);
+  sort_by_upper_half(keys_);
   forest.parent.assign(k, kWaiting);
   forest.order.clear();
+  for (std::uint32_t v = 0; v < k; ++v)
+    if (problem.exit[v] != kNoLevel && problem.exit[v] <= surface[v]) forest.parent[v] = kRoot;
   std::vector<bool> is_done(k);
-  MinHeap heap;
-  const auto push = [&](std::uint32_t v) {
-    heap.push((std::uint64_t{static_cast<std::uint32_t>(surface[v]) ^ 0x80000000u} << 32) | rank_[v]);
-  };
-  for (std::uint32_t v = 0; v < k; ++v) {
-    if (problem.exit[v] == kNoLevel || problem.exit[v] > surface[v]) continue;
-    forest.parent[v] = kRoot;
-    push(v);
-  }
-  while (!heap.empty()) {
-    const std::uint32_t v = by_height_[static_cast<std::uint32_t>(heap.pop())];
+  MinHeap late;
+  for (std::size_t next = 0; next < k || !late.empty();) {
+    std::uint32_t v;
+    if (!late.empty() && (next == k || late.top() < keys_[next])) {
+      v = by_height_[static_cast<std::uint32_t>(late.pop())];
+    } else {
+      v = by_height_[static_cast<std::uint32_t>(keys_[next++])];
+      if (forest.parent[v] == kWaiting) continue;  // reached later, from another place of its flat
+    }
     is_done[v] = true;
     forest.order.push_back(v);
     for (const std::uint32_t w : problem.neighbors(v)) {
       if (is_done[w] || surface[w] < surface[v]) continue;
       if (forest.parent[w] == kWaiting) {
         forest.parent[w] = v;
-        push(w);
+        if (next > 0 && key(w) <= keys_[next - 1]) late.push(key(w));
       } else if (forest.parent[w] == kRoot && surface[v] < problem.exit[w]) {
         forest.parent[w] = v;
       }

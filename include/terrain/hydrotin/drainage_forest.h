@@ -55,6 +55,7 @@ class ForestFinder {
  private:
   const DrainageProblem* problem_;
   std::vector<std::uint32_t> by_height_, rank_;  // members in the order (height, number)
+  std::vector<std::uint64_t> keys_;
 };
 
 class TreeRegression {

@@ -186,6 +186,7 @@ TEST(PitRemoval, NeverBeatsTheBestOfAllAndBoundsHold) {
       EXPECT_EQ(both.is_optimal, both.cost == both.bound);
       if (kMeasures[i] == ChangeMeasure::max) {
         EXPECT_EQ(both.cost, best.joint[i]);
+        EXPECT_TRUE(both.is_optimal);
       }
       num_joint_optima += both.cost == best.joint[i];
       num_proven += both.is_optimal;

@@ -103,9 +103,8 @@ bool is_small(std::uint64_t num_pits, std::uint64_t num_vertices) {
 }
 
 void talk(const FillTerrain& terrain, const Removal& removal, RemovalMethod method) {
-  if (!terrain.is_exact)
-    fmt::print(stderr, "note: heights were rounded to multiples of {}, the finest that 32 bits allow\n",
-               terrain.quantum());
+  if (terrain.is_rounded && method != RemovalMethod::lift)
+    fmt::print(stderr, "note: costs were weighed with heights rounded to multiples of {}\n", terrain.quantum());
   const bool lowers_only = method == RemovalMethod::breach || method == RemovalMethod::greedy_breach;
   if (lowers_only && removal.num_unbreached > 0)
     fmt::print(stderr, "note: {} of {} pits lie below all outlets that they can reach and were lifted\n",

@@ -35,13 +35,15 @@ void set_positions(const Mesh& mesh, FillTerrain& terrain) {
   for (const auto& vertex : mesh.vertex) terrain.position.push_back({rank_of(xs, vertex[0]), rank_of(ys, vertex[1])});
 }
 
-/// Whether all heights are integers over `denominator`, their differences within 31 bits.
-bool fits(const std::vector<double>& values, std::int64_t denominator) {
+/// Whether all heights are integers over `denominator`, their differences within 31 bits; exactly, or but for the last
+/// bits that a product with a scale leaves.
+bool fits(const std::vector<double>& values, std::int64_t denominator, bool exactly) {
   const auto d = static_cast<double>(denominator);
   if ((values.back() - values.front()) * d >= 2147483000.0) return false;
   return std::all_of(values.begin(), values.end(), [&](double z) {
     const double scaled = std::round(z * d);
-    return std::abs(scaled) < 9007199254740992.0 && scaled / d == z;
+    if (std::abs(scaled) >= 9007199254740992.0) return false;
+    return exactly ? scaled / d == z : std::abs(scaled / d - z) <= 4e-16 * std::max(std::abs(z), 1.0);
   });
 }
 
@@ -55,12 +57,15 @@ void set_heights(const std::string& path, const Mesh& mesh, FillTerrain& terrain
   std::vector<std::int64_t> candidates;
   for (std::int64_t d = 1; d <= 1'000'000'000'000; d *= 10) candidates.push_back(d);
   for (int bit = 1; bit <= 40; ++bit) candidates.push_back(std::int64_t{1} << bit);
-  const auto exact =
-      std::find_if(candidates.begin(), candidates.end(), [&](std::int64_t d) { return fits(values, d); });
-  terrain.is_exact = exact != candidates.end();
-  terrain.denominator = terrain.is_exact ? *exact : 1;
+  auto found =
+      std::find_if(candidates.begin(), candidates.end(), [&](std::int64_t d) { return fits(values, d, true); });
+  terrain.is_exact = found != candidates.end();
+  if (!terrain.is_exact)
+    found = std::find_if(candidates.begin(), candidates.end(), [&](std::int64_t d) { return fits(values, d, false); });
+  terrain.is_rounded = found == candidates.end();
+  terrain.denominator = terrain.is_rounded ? 1 : *found;
   const double largest = std::max(std::abs(values.front()), std::abs(values.back()));
-  while (!terrain.is_exact && terrain.denominator < 1'000'000'000 &&
+  while (terrain.is_rounded && terrain.denominator < 1'000'000'000 &&
          (values.back() - values.front()) * static_cast<double>(terrain.denominator) * 10 < 2e9 &&
          largest * static_cast<double>(terrain.denominator) * 10 < 9e15)
     terrain.denominator *= 10;

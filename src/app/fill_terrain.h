@@ -20,7 +20,8 @@ struct FillTerrain {
   double area_unit = 1;                ///< [squared mesh units]
   std::int64_t denominator = 1;        ///< heights are (base + integer) / denominator
   std::int64_t base = 0;
-  bool is_exact = true;  ///< all heights of the mesh are of that form; else these are their roundings
+  bool is_exact = true;     ///< all heights of the mesh are of that form; else these are their roundings
+  bool is_rounded = false;  ///< by more than the rounding errors of doubles
 
   [[nodiscard]] double z(std::int32_t h) const {
     return static_cast<double>(base + h) / static_cast<double>(denominator);

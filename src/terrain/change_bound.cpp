@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <tuple>
 #include <utility>
 #include <vector>
+
+#include "hydrotin/lifting.h"
 
 namespace hydrotin {
 namespace {
@@ -88,6 +91,36 @@ class Packing {
   std::int64_t stop_ = 0, weight_ = 0;
 };
 
+/// Whether a surface without pits exists that moves no vertex by more than `displacement`: the least one above h -
+/// displacement is the best candidate.
+bool is_feasible(const ChangeableTerrain& terrain, std::int64_t displacement) {
+  std::vector<std::int32_t> lowered(terrain.height.begin(), terrain.height.end());
+  for (std::size_t v = 0; v < lowered.size(); ++v) {
+    if (terrain.is_outlet[v]) continue;
+    const std::int64_t low =
+        std::max<std::int64_t>(lowered[v] - displacement, std::numeric_limits<std::int32_t>::min());
+    lowered[v] = static_cast<std::int32_t>(low);
+    if (!terrain.lower.empty()) lowered[v] = std::max(lowered[v], terrain.lower[v]);
+  }
+  const std::vector<std::int32_t> level = lift(*terrain.graph, lowered, terrain.is_outlet);
+  for (std::size_t v = 0; v < level.size(); ++v)
+    if (level[v] != kNoLevel && level[v] > terrain.height[v] + displacement) return false;
+  return true;
+}
+
+/// The least possible largest displacement, between half of the deepest flood and all of it.
+std::int64_t least_largest(const ChangeableTerrain& terrain, std::int64_t deepest) {
+  std::int64_t low = (deepest + 1) / 2, high = deepest;
+  while (low < high) {
+    const std::int64_t middle = low + (high - low) / 2;
+    if (is_feasible(terrain, middle))
+      high = middle;
+    else
+      low = middle + 1;
+  }
+  return low;
+}
+
 }  // namespace
 
 std::int64_t change_bound(const ChangeableTerrain& terrain, std::span<const std::int32_t> level,
@@ -101,7 +134,7 @@ std::int64_t change_bound(const ChangeableTerrain& terrain, std::span<const std:
     if (std::ranges::none_of(around, [&](std::uint32_t w) { return terrain.height[w] < terrain.height[v]; }))
       bottoms.push_back(v);
   }
-  if (measure == ChangeMeasure::max) return (most + 1) / 2;
+  if (measure == ChangeMeasure::max) return least_largest(terrain, most);
   const auto depth = [&](std::uint32_t v) { return std::int64_t{level[v]} - terrain.height[v]; };
   std::sort(bottoms.begin(), bottoms.end(), [&](std::uint32_t a, std::uint32_t b) {
     return std::tuple(-depth(a), terrain.height[a], terrain.position[a]) <

@@ -25,7 +25,8 @@
 namespace hydrotin {
 
 /// @param level  [n] of `lift`.
-/// Complexity: O(n + sum over pits of b log b), b <= 4096 vertices looked at per pit.
+/// Complexity: for max a flood for each bit of the deepest pit; else O(n + sum over pits of b log b), b <= 4096
+/// vertices looked at per pit.
 [[nodiscard]] std::int64_t change_bound(const ChangeableTerrain& terrain, std::span<const std::int32_t> level,
                                         ChangeMeasure measure);
 

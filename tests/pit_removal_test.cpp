@@ -8,90 +8,22 @@
 
 #include "grid_terrain.h"
 #include "hydrotin/lifting.h"
-#include "hydrotin/pit_edits.h"
 #include "oracle/removal_oracle.h"
+#include "pit_sample.h"
 
 namespace hydrotin {
 namespace {
 
+using testing::cost_of;
 using testing::GridTerrain;
+using testing::kMeasures;
+using testing::kMethods;
 using testing::make_grid;
 using testing::make_outlet_terrain;
 using testing::OutletTerrain;
 using testing::Random;
-
-constexpr RemovalMethod kMethods[] = {RemovalMethod::lift, RemovalMethod::breach, RemovalMethod::greedy_breach,
-                                      RemovalMethod::least_change};
-constexpr ChangeMeasure kMeasures[] = {ChangeMeasure::total, ChangeMeasure::max, ChangeMeasure::count,
-                                       ChangeMeasure::volume};
-
-/// A terrain given by its graph; positions only tell vertices apart.
-struct Sample {
-  VertexGraph graph;
-  std::vector<std::int32_t> height;
-  std::vector<LatticePoint> position;
-  std::vector<std::uint8_t> is_outlet;
-  std::vector<std::int64_t> weight;
-  oracle::Neighbors around;
-
-  [[nodiscard]] ChangeableTerrain view(ChangeMeasure measure) const {
-    ChangeableTerrain terrain{&graph, height, position, is_outlet, {}, {}, {}};
-    if (measure == ChangeMeasure::volume) terrain.weight = weight;
-    return terrain;
-  }
-  [[nodiscard]] Removal remove(RemovalMethod method, ChangeMeasure measure = ChangeMeasure::total,
-                               bool thorough = false) const {
-    RemovalOptions options;
-    options.thorough = thorough;
-    options.method = method;
-    options.measure = measure;
-    options.with_bound = true;
-    return remove_pits(view(measure), options);
-  }
-};
-
-Sample sample_of(const GridTerrain& grid, const std::vector<std::uint8_t>& is_outlet) {
-  return {make_vertex_graph(grid.num_vertices(), grid.triangle),
-          grid.height,
-          grid.position,
-          is_outlet,
-          star_weights(grid.position, grid.triangle),
-          oracle::neighbors(grid.num_vertices(), grid.triangle)};
-}
-
-Sample sample_of(const std::vector<std::int32_t>& height,
-                 const std::vector<std::pair<std::uint32_t, std::uint32_t>>& edges,
-                 const std::vector<std::uint32_t>& outlets) {
-  Sample s;
-  s.height = height;
-  s.around.resize(height.size());
-  for (const auto& [a, b] : edges) {
-    s.around[a].insert(b);
-    s.around[b].insert(a);
-  }
-  s.graph.begin.push_back(0);
-  for (const auto& list : s.around) {
-    s.graph.neighbor.insert(s.graph.neighbor.end(), list.begin(), list.end());
-    s.graph.begin.push_back(static_cast<std::uint32_t>(s.graph.neighbor.size()));
-  }
-  for (std::uint32_t v = 0; v < height.size(); ++v) s.position.push_back({static_cast<std::int32_t>(v), 0});
-  s.is_outlet.assign(height.size(), 0);
-  for (const std::uint32_t v : outlets) s.is_outlet[v] = 1;
-  s.weight.assign(height.size(), 1);
-  return s;
-}
-
-std::int64_t cost_of(const Sample& s, const std::vector<std::int32_t>& x, ChangeMeasure measure) {
-  std::int64_t cost = 0;
-  for (std::size_t v = 0; v < x.size(); ++v) {
-    const std::int64_t moved = std::abs(std::int64_t{x[v]} - s.height[v]);
-    if (measure == ChangeMeasure::max) cost = std::max(cost, moved);
-    if (measure == ChangeMeasure::count) cost += moved != 0;
-    if (measure == ChangeMeasure::total) cost += moved;
-    if (measure == ChangeMeasure::volume) cost += moved * s.weight[v];
-  }
-  return cost;
-}
+using testing::Sample;
+using testing::sample_of;
 
 TEST(PitRemoval, Figure6_9_LiftingCosts14BreachingElevenBothNine) {
   // 1 next to 5 and 10, 10 next to 3, 3 next to the lowest.
@@ -421,78 +353,6 @@ TEST(PitRemoval, BreachOfOnePitEqualsTheShortestPathByDefinition) {
     }
   }
   EXPECT_GT(num_paths, 1000u);
-}
-
-TEST(PitEdits, AccountForEveryMovedVertex) {
-  std::size_t num_breaches = 0, num_regions = 0;
-  for (std::uint64_t seed = 0; seed < 400; ++seed) {
-    SCOPED_TRACE(seed);
-    const OutletTerrain t = make_outlet_terrain(seed);
-    const Sample s = sample_of(t.grid, t.is_outlet);
-    for (const RemovalMethod method : kMethods) {
-      SCOPED_TRACE(static_cast<int>(method));
-      const Removal r = s.remove(method);
-      const PitEdits edits = find_edits(s.view(ChangeMeasure::total), r.components, r.height, s.weight);
-      std::vector<int> raised(r.height.size(), 0), lowered(r.height.size(), 0);
-      std::int64_t displacement = 0;
-      double volume = 0;
-      for (std::size_t i = 0; i < edits.region.size(); ++i) {
-        const std::set<std::uint32_t> vertices(edits.region_vertex.begin() + edits.region_begin[i],
-                                               edits.region_vertex.begin() + edits.region_begin[i + 1]);
-        EXPECT_EQ(vertices.size(), edits.region_begin[i + 1] - edits.region_begin[i]);
-        std::int64_t own = 0;
-        for (const std::uint32_t v : vertices) {
-          ++raised[v];
-          own += edits.region[i].level - s.height[v];
-          EXPECT_EQ(r.height[v], edits.region[i].level);
-          EXPECT_LE(s.height[edits.region[i].lowest], s.height[v]);
-        }
-        EXPECT_TRUE(vertices.contains(edits.region[i].lowest));
-        EXPECT_EQ(own, edits.region[i].displacement);
-        displacement += own;
-        volume += edits.region[i].volume;
-      }
-      for (std::size_t i = 0; i < edits.breach.size(); ++i) {
-        const std::vector<std::uint32_t> chain(edits.breach_vertex.begin() + edits.breach_begin[i],
-                                               edits.breach_vertex.begin() + edits.breach_begin[i + 1]);
-        ASSERT_GE(chain.size(), 2u);
-        if (edits.breach[i].pit != kNoVertexNumber) {
-          EXPECT_EQ(chain.front(), edits.breach[i].pit);
-        }
-        std::int32_t deepest = 0;
-        std::int64_t own = 0;
-        double length = 0;
-        for (std::size_t j = 0; j < chain.size(); ++j) {
-          const std::int32_t depth = std::max(0, s.height[chain[j]] - r.height[chain[j]]);
-          if (j + 1 < chain.size()) {
-            lowered[chain[j]] += depth > 0;
-            own += depth;
-            deepest = std::max(deepest, depth);
-          }
-          if (j == 0) continue;
-          EXPECT_LE(r.height[chain[j]], r.height[chain[j - 1]]);
-          EXPECT_TRUE(s.around[chain[j]].contains(chain[j - 1]));
-          length += std::hypot(s.position[chain[j]].x - s.position[chain[j - 1]].x,
-                               s.position[chain[j]].y - s.position[chain[j - 1]].y);
-        }
-        EXPECT_EQ(edits.breach[i].displacement, own);
-        EXPECT_EQ(edits.breach[i].max_depth, deepest);
-        EXPECT_NEAR(edits.breach[i].length, length, 1e-9);
-        displacement += own;
-        volume += edits.breach[i].volume;
-      }
-      for (std::size_t v = 0; v < r.height.size(); ++v) {
-        EXPECT_EQ(raised[v], r.height[v] > s.height[v]);
-        EXPECT_EQ(lowered[v], r.height[v] < s.height[v]);
-      }
-      EXPECT_EQ(displacement, r.cost);
-      EXPECT_NEAR(volume, static_cast<double>(cost_of(s, r.height, ChangeMeasure::volume)) / 6, 1e-6);
-      num_breaches += edits.breach.size();
-      num_regions += edits.region.size();
-    }
-  }
-  EXPECT_GT(num_breaches, 1000u);
-  EXPECT_GT(num_regions, 1000u);
 }
 
 TEST(PitRemoval, LimitsOfBreaching) {

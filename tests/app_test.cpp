@@ -569,7 +569,7 @@ TEST(App, Fill_OnlyTheChosenPits) {
   const TemporaryFolder folder;
   const Mesh mesh = two_pits();
   write_ply(folder / "t.ply", mesh.vertex, mesh.triangle, "");
-  const json one = json::parse(call(folder, "fill t.ply --pits 32 --json").out);
+  const json one = json::parse(call(folder, "fill t.ply --method lift --pits 32 --json").out);
   EXPECT_EQ(one.at("minima_before"), 2);
   EXPECT_EQ(one.at("minima_after"), 1);
   EXPECT_EQ(one.at("heights").at(16), 9);
@@ -579,11 +579,105 @@ TEST(App, Fill_OnlyTheChosenPits) {
   EXPECT_EQ(call(folder, "fill t.ply --pits 99").code, 2);
 }
 
+/// A fan of triangles around vertex 0 of the terrain of Figure 6.9 (1 - 5 - 10 - 3 - lowest), walled in by high
+/// vertices.
+Mesh figure_6_9() {
+  Mesh mesh;
+  mesh.vertex = {{0, 0, 1},    {1, 1, 5},   {2, 0, 10}, {4, 0, 3},  {6, 0, 0},
+                 {-3, -5, 99}, {-3, 5, 99}, {8, 5, 99}, {8, -5, 99}};
+  mesh.triangle = {{0, 2, 1}, {0, 1, 6}, {0, 6, 5}, {0, 5, 2}, {1, 2, 6}, {2, 7, 6},
+                   {2, 3, 7}, {3, 4, 7}, {2, 5, 8}, {2, 8, 3}, {3, 8, 4}, {4, 8, 7}};
+  return mesh;
+}
+
+TEST(App, Fill_Figure6_9InAllMethodsAndMeasures) {
+  const TemporaryFolder folder;
+  const Mesh mesh = figure_6_9();
+  write_ply(folder / "t.ply", mesh.vertex, mesh.triangle, "");
+  write_text(folder / "outlet.csv", "a,b\n4,4\n");
+  const std::map<std::string, double> total{{"lift", 14}, {"breach", 11}, {"greedy-breach", 11}, {"least-change", 9}};
+  for (const auto& [method, expected] : total)
+    for (const std::string measure : {"total", "max", "count", "volume"})
+      for (const std::string outlets : {"lowest", "outlet.csv"}) {
+        SCOPED_TRACE(method + measure + outlets);
+        const Outcome outcome = call(folder, "fill t.ply --json --out new.ply --method " + method + " --measure " +
+                                                 measure + " --outlets " + outlets);
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        const json result = json::parse(outcome.out);
+        EXPECT_EQ(result.at("method"), method);
+        EXPECT_EQ(result.at("measure"), measure);
+        EXPECT_EQ(result.at("minima_before"), 1);
+        EXPECT_EQ(result.at("minima_after"), 0);
+        EXPECT_LE(result.at("bound").get<double>(), measure == "max"     ? result.at("max_displacement").get<double>()
+                                                    : measure == "count" ? result.at("vertices_moved").get<double>()
+                                                    : measure == "volume"
+                                                        ? result.at("volume_change").get<double>() + 1e-9
+                                                        : result.at("total_displacement").get<double>());
+        if (measure == "total") {
+          EXPECT_EQ(result.at("total_displacement"), expected);
+        }
+        if (measure == "total") {
+          EXPECT_TRUE(result.at("optimal"));
+        }
+        if (measure == "max") {
+          EXPECT_EQ(result.at("max_displacement"), method == "least-change" ? 5 : 9);
+        }
+        const Mesh changed = read_mesh(folder / "new.ply");
+        for (std::size_t v = 0; v < mesh.vertex.size(); ++v)
+          EXPECT_EQ(result.at("heights").at(v), changed.vertex[v][2]);
+        const json again =
+            json::parse(call(folder, "fill new.ply --json --method " + method + " --outlets " + outlets).out);
+        EXPECT_EQ(again.at("vertices_moved"), 0);
+      }
+}
+
+// Heights that no lattice of 32 bits holds.
+TEST(App, Fill_HeightsWithAllDigits) {
+  const TemporaryFolder folder;
+  for (std::uint32_t seed = 0; seed < 3; ++seed) {
+    Mesh mesh = grid_mesh(seed, 12);
+    std::mt19937 random(seed);
+    for (auto& vertex : mesh.vertex) vertex[2] = std::sqrt(static_cast<double>(random() % 1000)) / 3;
+    write_ply(folder / "t.ply", mesh.vertex, mesh.triangle, "");
+    double lift_total = 0;
+    for (const std::string method : {"lift", "breach", "greedy-breach", "least-change"}) {
+      SCOPED_TRACE(method);
+      const Outcome outcome = call(folder, "fill t.ply --json --method " + method);
+      ASSERT_EQ(outcome.code, 0) << outcome.err;
+      const json result = json::parse(outcome.out);
+      EXPECT_EQ(result.at("minima_after"), 0);
+      const double cost = result.at("total_displacement");
+      if (method == "lift") lift_total = cost;
+      if (method == "least-change") {
+        EXPECT_LE(cost, lift_total * (1 + 1e-9));
+      }
+    }
+  }
+}
+
+TEST(App, Fill_RefusesBadOutlets) {
+  const TemporaryFolder folder;
+  const Mesh mesh = figure_6_9();
+  write_ply(folder / "t.ply", mesh.vertex, mesh.triangle, "");
+  int number = 0;
+  for (const char* text : {"a,b\n4,9\n", "a,b\n4;5\n", "a,b\n1,2,3\n", "a\n-1\n", "a\nx\n", "a\n", ""}) {
+    SCOPED_TRACE(text);
+    write_text(folder / "o.csv", text);
+    const Outcome outcome = call(folder, "fill t.ply --outlets o.csv");
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_FALSE(outcome.err.empty());
+    if (++number < 6) {
+      EXPECT_NE(outcome.err.find("o.csv:2"), std::string::npos) << outcome.err;
+    }
+  }
+  EXPECT_EQ(call(folder, "fill t.ply --outlets lowest --pits 4").code, 2);
+}
+
 TEST(App, Fill_RefusesWhatIsNoTerrain) {
   const TemporaryFolder folder;
   Mesh mesh = two_pits();
   write_ply(folder / "good.ply", mesh.vertex, mesh.triangle, "");
-  for (const char* arguments : {"--method breach", "--measure beauty", "--outlets sea"})
+  for (const char* arguments : {"--method dig", "--measure beauty", "--outlets sea"})
     EXPECT_EQ(call(folder, "fill good.ply " + std::string(arguments)).code, 2) << arguments;
   Mesh doubled = mesh;
   doubled.vertex[3] = doubled.vertex[2];

@@ -1,5 +1,11 @@
 hydrotin_test(lifting_test SOURCES lifting_test.cpp DEPENDS terrain)
 hydrotin_test(terrain_parts_test SOURCES terrain_parts_test.cpp DEPENDS terrain)
+hydrotin_test(contour_tree_test SOURCES contour_tree_test.cpp DEPENDS terrain)
+hydrotin_test(pit_hierarchy_test SOURCES pit_hierarchy_test.cpp DEPENDS terrain)
+hydrotin_test(outlets_test SOURCES outlets_test.cpp DEPENDS terrain)
+hydrotin_test(pit_edits_test SOURCES pit_edits_test.cpp DEPENDS terrain)
+hydrotin_test(pit_removal_test SOURCES pit_removal_test.cpp DEPENDS terrain)
+hydrotin_test(drainage_forest_test SOURCES drainage_forest_test.cpp DEPENDS terrain)
 hydrotin_test(rasterize_test SOURCES rasterize_test.cpp DEPENDS terrain)
 
 # Speed of the room; not a test: build and run terrain_benchmark by hand.

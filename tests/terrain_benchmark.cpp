@@ -7,14 +7,19 @@
 #include <vector>
 
 #include "grid_terrain.h"
+#include "hydrotin/contour_tree.h"
 #include "hydrotin/lifting.h"
+#include "hydrotin/pit_hierarchy.h"
+#include "hydrotin/pit_removal.h"
 #include "hydrotin/pits.h"
 #include "hydrotin/rasterize.h"
 #include "hydrotin/spill_tree.h"
+#include "hydrotin/synthetic.h"
 #include "hydrotin/vertex_graph.h"
 
 // Speed of the terrain room, one thread, items = vertices or triangles. Arguments: side of the square grid (n =
-// side^2), noise in lattice units (0: drained hills with few pits, 200: heavily pitted).
+// side^2), noise in lattice units (0: drained hills with few pits, 200: heavily pitted; -30, -100: the mountains of
+// synthetic.h with white noise of that many units).
 
 namespace hydrotin::testing {
 namespace {
@@ -25,13 +30,33 @@ struct Scene {
   std::vector<std::uint8_t> hull;
 };
 
+// The carved mountains of synthetic.h at the nodes of the grid, with noise: a sum of twelve uniform numbers.
+std::vector<std::int32_t> mountain_heights(const GridTerrain& grid, double noise) {
+  SyntheticOptions options;
+  options.num_points = grid.num_vertices();
+  const SyntheticTerrain terrain(options);
+  const LatticeBox box = terrain.box();
+  const double step = (static_cast<double>(box.max.x) - box.min.x) / (100.0 * grid.columns);
+  std::vector<std::int32_t> height(grid.num_vertices());
+  for (std::uint32_t v = 0; v < height.size(); ++v) {
+    Random random(v);
+    double sum = -6;
+    for (int i = 0; i < 12; ++i) sum += random.unit();
+    const double x = (box.min.x + (grid.position[v].x + 50) * step) * kSyntheticScale,
+                 y = (box.min.y + (grid.position[v].y + 50) * step) * kSyntheticScale;
+    height[v] = static_cast<std::int32_t>(terrain.height(x, y) / kSyntheticScale + sum * noise);
+  }
+  return height;
+}
+
 const Scene& scene(std::int64_t side, std::int64_t noise) {
   static Scene s;
   static std::int64_t made_side = 0, made_noise = -1;
   if (side != made_side || noise != made_noise) {
     const auto length = static_cast<std::uint32_t>(side);
     s.grid = make_grid(1, length, length, 100, 30);
-    s.grid.height = relief_heights(1, s.grid.position, 30000, 30000, static_cast<std::int32_t>(noise));
+    s.grid.height = noise < 0 ? mountain_heights(s.grid, static_cast<double>(-noise))
+                              : relief_heights(1, s.grid.position, 30000, 30000, static_cast<std::int32_t>(noise));
     s.graph = make_vertex_graph(s.grid.num_vertices(), s.grid.triangle);
     s.hull = hull_flags(s.grid);
     made_side = side;
@@ -100,6 +125,41 @@ void BM_vertex_graph(benchmark::State& state) {
   const Scene& s = scene(state.range(0), state.range(1));
   for (auto _ : state) benchmark::DoNotOptimize(make_vertex_graph(s.grid.num_vertices(), s.grid.triangle));
   set_vertices(state, s);
+}
+
+void BM_contour_tree(benchmark::State& state) {
+  const Scene& s = scene(state.range(0), state.range(1));
+  for (auto _ : state) benchmark::DoNotOptimize(contour_tree(s.graph, s.grid.height, s.grid.position));
+  set_vertices(state, s);
+}
+
+void BM_pit_hierarchy(benchmark::State& state) {
+  const Scene& s = scene(state.range(0), state.range(1));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(pit_hierarchy(s.graph, s.grid.triangle, s.grid.height, s.grid.position, s.hull));
+  set_vertices(state, s);
+}
+
+// Counters: total displacement and its ratio to lifting.
+void remove_all(benchmark::State& state, RemovalMethod method) {
+  const Scene& s = scene(state.range(0), state.range(1));
+  const ChangeableTerrain terrain{&s.graph, s.grid.height, s.grid.position, s.hull, {}, {}, {}};
+  RemovalOptions options;
+  options.limits.max_visits = kScalableVisits;
+  options.method = RemovalMethod::lift;
+  const auto lifted = static_cast<double>(remove_pits(terrain, options).cost);
+  options.method = method;
+  double cost = 0;
+  for (auto _ : state) cost = static_cast<double>(remove_pits(terrain, options).cost);
+  set_vertices(state, s);
+  state.counters["total"] = cost;
+  state.counters["of_lifting"] = cost / lifted;
+}
+void BM_breach(benchmark::State& state) {
+  remove_all(state, RemovalMethod::breach);
+}
+void BM_least_change(benchmark::State& state) {
+  remove_all(state, RemovalMethod::least_change);
 }
 
 void BM_count_pits(benchmark::State& state) {
@@ -172,7 +232,7 @@ void BM_drain(benchmark::State& state) {
 }
 
 void sizes(benchmark::internal::Benchmark* b) {
-  for (const int noise : {0, 200})
+  for (const int noise : {0, 200, -30, -100})
     for (const int side : {300, 1000, 3162}) b->Args({side, noise});
   b->Unit(benchmark::kMillisecond);
 }
@@ -181,6 +241,10 @@ BENCHMARK(BM_vertex_graph)->Apply(sizes);
 BENCHMARK(BM_plain_flood)->Apply(sizes);
 BENCHMARK(BM_lift)->Apply(sizes);
 BENCHMARK(BM_lift_lowest)->Apply(sizes);
+BENCHMARK(BM_breach)->Apply(sizes);
+BENCHMARK(BM_least_change)->Apply(sizes);
+BENCHMARK(BM_contour_tree)->Apply(sizes);
+BENCHMARK(BM_pit_hierarchy)->Apply(sizes);
 BENCHMARK(BM_count_pits)->Apply(sizes);
 BENCHMARK(BM_reduce_to_rim)->Apply(sizes);
 BENCHMARK(BM_rasterize)->ArgsProduct({{1000}, {1000, 200, 100, 50, 10}})->Unit(benchmark::kMillisecond);

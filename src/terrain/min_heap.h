@@ -7,22 +7,24 @@
 
 namespace hydrotin {
 
-/// A priority queue of 64-bit keys, smallest first: a heap with four children, whose sift down misses the cache half as
+/// A priority queue of integers, smallest first: a heap with four children, whose sift down misses the cache half as
 /// often as one with two.
-class MinHeap {
+template <class Key>
+class BasicMinHeap {
  public:
+  void clear() { key_.clear(); }
   [[nodiscard]] bool empty() const { return key_.empty(); }
-  [[nodiscard]] std::uint64_t top() const { return key_.front(); }
+  [[nodiscard]] Key top() const { return key_.front(); }
 
-  void push(std::uint64_t key) {
+  void push(Key key) {
     std::size_t i = key_.size();
     key_.push_back(key);
     for (; i > 0 && key < key_[(i - 1) / 4]; i = (i - 1) / 4) key_[i] = key_[(i - 1) / 4];
     key_[i] = key;
   }
 
-  std::uint64_t pop() {
-    const std::uint64_t smallest = key_.front(), key = key_.back();
+  Key pop() {
+    const Key smallest = key_.front(), key = key_.back();
     key_.pop_back();
     const std::size_t n = key_.size();
     if (n == 0) return smallest;
@@ -45,7 +47,9 @@ class MinHeap {
   }
 
  private:
-  std::vector<std::uint64_t> key_;
+  std::vector<Key> key_;
 };
+
+using MinHeap = BasicMinHeap<std::uint64_t>;
 
 }  // namespace hydrotin

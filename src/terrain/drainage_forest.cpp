@@ -1,0 +1,214 @@
+#include "hydrotin/drainage_forest.h"
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include "min_heap.h"
+#include "radix_sort.h"
+
+namespace hydrotin {
+namespace {
+
+constexpr std::int64_t kNever = std::int64_t{1} << 60;  // weight of an upper bound: no sum of weights reaches it
+
+// Lower halves ascend already among keys with equal upper halves.
+void sort_by_upper_half(std::vector<std::uint64_t>& keys) {
+  if (keys.size() > 2000)
+    radix_sort(keys, [](std::uint64_t key) { return key >> 32; });
+  else
+    std::sort(keys.begin(), keys.end());
+}
+
+}  // namespace
+
+ForestFinder::ForestFinder(const DrainageProblem& problem) : problem_(&problem) {
+  // A rank in 32 bits leaves the other half of a key to the surface.
+  const std::uint32_t k = problem.size();
+  std::vector<std::uint64_t> keys(k);
+  for (std::uint32_t v = 0; v < k; ++v)
+    keys[v] = (std::uint64_t{static_cast<std::uint32_t>(problem.height[v]) ^ 0x80000000u} << 32) | v;
+  sort_by_upper_half(keys);
+  by_height_.resize(k);
+  rank_.resize(k);
+  for (std::uint32_t i = 0; i < k; ++i) {
+    by_height_[i] = static_cast<std::uint32_t>(keys[i]);
+    rank_[by_height_[i]] = i;
+  }
+}
+
+// The order is that of a queue of all reached members by (surface, rank). Most of them are reached before their turn in
+// the sorted list of all, which costs less than a queue; only those reached later, lower places of flats, are queued.
+void ForestFinder::run(std::span<const std::int32_t> surface, DrainageForest& forest) {
+  const DrainageProblem& problem = *problem_;
+  const std::uint32_t k = problem.size();
+  constexpr std::uint32_t kWaiting = kRoot - 1;
+  const auto key = [&](std::uint32_t v) {
+    return (std::uint64_t{static_cast<std::uint32_t>(surface[v]) ^ 0x80000000u} << 32) | rank_[v];
+  };
+  keys_.resize(k);
+  for (std::uint32_t i = 0; i < k; ++i) keys_[i] = key(by_height_[i]);
+  sort_by_upper_half(keys_);
+  forest.parent.assign(k, kWaiting);
+  forest.order.clear();
+  for (std::uint32_t v = 0; v < k; ++v)
+    if (problem.exit[v] != kNoLevel && problem.exit[v] <= surface[v]) forest.parent[v] = kRoot;
+  std::vector<bool> is_done(k);
+  MinHeap late;
+  for (std::size_t next = 0; next < k || !late.empty();) {
+    std::uint32_t v;
+    if (!late.empty() && (next == k || late.top() < keys_[next])) {
+      v = by_height_[static_cast<std::uint32_t>(late.pop())];
+    } else {
+      v = by_height_[static_cast<std::uint32_t>(keys_[next++])];
+      if (forest.parent[v] == kWaiting) continue;  // reached later, from another place of its flat
+    }
+    is_done[v] = true;
+    forest.order.push_back(v);
+    for (const std::uint32_t w : problem.neighbors(v)) {
+      if (is_done[w] || surface[w] < surface[v]) continue;
+      if (forest.parent[w] == kWaiting) {
+        forest.parent[w] = v;
+        if (next > 0 && key(w) <= keys_[next - 1]) late.push(key(w));
+      } else if (forest.parent[w] == kRoot && surface[v] < problem.exit[w]) {
+        forest.parent[w] = v;
+      }
+    }
+  }
+  assert(forest.order.size() == k && "the surface drains");
+}
+
+std::uint32_t TreeRegression::meld(std::uint32_t a, std::uint32_t b) {
+  if (a == kRoot) return b;
+  if (b == kRoot) return a;
+  if (slot_[b].key < slot_[a].key) std::swap(a, b);
+  slot_[b].sibling = slot_[a].child;
+  slot_[a].child = b;
+  return a;
+}
+
+std::uint32_t TreeRegression::pop(std::uint32_t root) {
+  pairs_.clear();
+  for (std::uint32_t child = slot_[root].child; child != kRoot;) {
+    const std::uint32_t next = slot_[child].sibling;
+    slot_[child].sibling = kRoot;
+    pairs_.push_back(child);
+    child = next;
+  }
+  free_.push_back(root);
+  std::uint32_t last = kRoot;
+  std::size_t i = pairs_.size();
+  if (i % 2 == 1) last = pairs_[--i];
+  for (; i > 0; i -= 2) last = meld(meld(pairs_[i - 1], pairs_[i - 2]), last);
+  return last;
+}
+
+std::uint32_t TreeRegression::make_slot(std::int32_t key, std::int64_t weight) {
+  if (free_.empty()) {
+    slot_.push_back({weight, key, kRoot, kRoot});
+    return static_cast<std::uint32_t>(slot_.size() - 1);
+  }
+  const std::uint32_t slot = free_.back();
+  free_.pop_back();
+  slot_[slot] = {weight, key, kRoot, kRoot};
+  return slot;
+}
+
+/// Takes a weight away from the lowest breakpoints and returns the last one touched.
+std::int32_t TreeRegression::take(std::uint32_t& root, std::int64_t weight) {
+  for (;;) {
+    Slot& lowest = slot_[root];
+    const std::int32_t key = lowest.key;
+    if (lowest.weight > weight) {
+      lowest.weight -= weight;
+      return key;
+    }
+    weight -= lowest.weight;
+    root = pop(root);
+    if (weight == 0) return key;
+  }
+}
+
+void TreeRegression::least_total(const DrainageProblem& problem, const DrainageForest& forest,
+                                 std::span<const std::int32_t> lower, std::span<const std::int32_t> upper,
+                                 std::vector<std::int32_t>& surface) {
+  const std::uint32_t k = problem.size();
+  slot_.clear();
+  free_.clear();
+  heap_.assign(k, kRoot);
+  surface.resize(k);
+  for (std::size_t i = k; i-- > 0;) {
+    const std::uint32_t v = forest.order[i];
+    std::uint32_t heap = heap_[v];
+    const std::int64_t weight = problem.weight_of(v);
+    if (heap == kRoot || slot_[heap].key >= problem.height[v]) {  // nothing upstream is lower
+      heap = meld(make_slot(problem.height[v], weight), heap);
+      surface[v] = problem.height[v];
+    } else {
+      heap = meld(heap, make_slot(problem.height[v], 2 * weight));
+      surface[v] = take(heap, weight);
+    }
+    if (!lower.empty()) {
+      if (surface[v] < lower[v]) {
+        std::int64_t below = 0;
+        for (; heap != kRoot && slot_[heap].key < lower[v]; heap = pop(heap)) below += slot_[heap].weight;
+        if (below > 0) heap = meld(heap, make_slot(lower[v], below));
+        surface[v] = lower[v];
+      }
+      if (surface[v] > upper[v]) {
+        heap = make_slot(upper[v], kNever);
+        surface[v] = upper[v];
+      } else {
+        heap = meld(heap, make_slot(upper[v], kNever));
+      }
+    }
+    const std::uint32_t p = forest.parent[v];
+    if (p != kRoot) heap_[p] = meld(heap_[p], heap);
+  }
+  for (const std::uint32_t v : forest.order) {
+    const std::uint32_t p = forest.parent[v];
+    surface[v] = std::max(surface[v], p == kRoot ? problem.exit[v] : surface[p]);
+  }
+}
+
+void TreeRegression::least_count(const DrainageProblem& problem, const DrainageForest& forest,
+                                 std::vector<std::int32_t>& surface) {
+  const std::uint32_t k = problem.size();
+  constexpr std::int64_t kLowest = std::numeric_limits<std::int64_t>::min();
+  // Steps of S_v(t) = most vertices kept in the subtree of v, all at t or above. Keeping v is worth it for t above
+  // `taken[v]`, the height of the step that it takes away.
+  std::vector<std::multiset<std::int32_t>> steps(k);
+  std::vector<std::int64_t> taken(k, kLowest);
+  for (std::size_t i = k; i-- > 0;) {
+    const std::uint32_t v = forest.order[i];
+    auto& own = steps[v];
+    auto next = own.lower_bound(problem.height[v]);
+    if (next != own.begin()) {
+      --next;
+      taken[v] = *next;
+      own.erase(next);
+    }
+    own.insert(problem.height[v]);
+    const std::uint32_t p = forest.parent[v];
+    if (p == kRoot) continue;
+    if (steps[p].size() < own.size()) steps[p].swap(own);
+    steps[p].insert(own.begin(), own.end());
+    std::multiset<std::int32_t>().swap(own);
+  }
+  std::vector<std::int64_t> threshold(k);
+  std::vector<std::int32_t> lower(k), upper(k);
+  for (const std::uint32_t v : forest.order) {
+    const std::uint32_t p = forest.parent[v];
+    const std::int64_t t = p == kRoot ? problem.exit[v] : threshold[p];
+    const std::int32_t h = problem.height[v];
+    const bool is_kept = h >= t && t > taken[v];
+    threshold[v] = is_kept ? h : t;
+    lower[v] = is_kept ? h : (problem.lower.empty() ? std::numeric_limits<std::int32_t>::min() : problem.lower[v]);
+    upper[v] = is_kept ? h : (problem.upper.empty() ? kNoLevel - 1 : problem.upper[v]);
+  }
+  least_total(problem, forest, lower, upper, surface);
+}
+
+}  // namespace hydrotin

@@ -1,0 +1,215 @@
+#include "hydrotin/least_change.h"
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+#include "breach_search.h"
+#include "hydrotin/drainage_forest.h"
+#include "hydrotin/greedy_breach.h"
+#include "local_pits.h"
+
+namespace hydrotin {
+namespace {
+
+constexpr std::uint32_t kFewMembers = 100;      // below: every way of breaching is tried
+constexpr std::uint32_t kManyMembers = 10'000;  // above: with limited searches, only the breaches that are known
+
+/// Breaches what is left, where that is possible at all, along the forest by which the flood drains; the rest is
+/// lifted.
+std::vector<std::int32_t> breach_rest(const DrainageProblem& problem, const std::vector<std::int32_t>& surface,
+                                      const SearchLimits& limits) {
+  std::vector<std::int32_t> level = lift(problem, surface);
+  if (limits.max_visits == ~std::uint64_t{0} || level == surface) return level;
+  DrainageForest forest;
+  ForestFinder(problem).run(level, forest);
+  std::vector<std::int32_t> lowered = surface;
+  for (std::size_t i = forest.order.size(); i-- > 0;) {
+    const std::uint32_t v = forest.order[i], p = forest.parent[v];
+    if (p == kRoot || lowered[p] <= lowered[v]) continue;
+    const std::int64_t floor = std::int64_t{problem.height[p]} - limits.max_depth;
+    lowered[p] = static_cast<std::int32_t>(std::max<std::int64_t>(lowered[v], floor));
+    if (!problem.lower.empty()) lowered[p] = std::max(lowered[p], problem.lower[p]);
+  }
+  return lift(problem, lowered);
+}
+
+/// Breaches the pits one after the other, then what is left.
+std::vector<std::int32_t> breach_in_turn(const DrainageProblem& problem, const LocalPits& pits,
+                                         const std::vector<std::uint32_t>& order, ChangeMeasure measure,
+                                         const SearchLimits& limits, BreachSearch& search) {
+  std::vector<std::int32_t> surface = problem.height;
+  const ProblemGround ground{&problem, &surface, measure, limits.max_depth};
+  for (const std::uint32_t i : order) {
+    const LocalPit& pit = pits.pit[i];
+    const std::int32_t level = surface[pit.first];
+    if (level != pit.height) continue;  // a breach has gone through it
+    if (!search.run(ground, pits.vertices(pit), level, limits.max_visits)) continue;
+    for (const std::uint32_t v : search.path()) surface[v] = std::min(surface[v], level);
+  }
+  return breach_rest(problem, surface, limits);
+}
+
+/// Cost in the sense of a measure, ties by total.
+std::pair<std::int64_t, std::int64_t> rank_of(const DrainageProblem& problem, std::span<const std::int32_t> surface,
+                                              ChangeMeasure measure) {
+  const std::int64_t total = cost_of(problem, surface, ChangeMeasure::total);
+  return {
+      measure == ChangeMeasure::total || measure == ChangeMeasure::volume ? total : cost_of(problem, surface, measure),
+      total};
+}
+
+/// All surfaces made by breaching, lifted where that was not possible.
+std::vector<std::vector<std::int32_t>> breached_surfaces(const DrainageProblem& problem,
+                                                         const std::vector<std::int32_t>& level, ChangeMeasure measure,
+                                                         const SearchLimits& limits) {
+  std::vector<std::vector<std::int32_t>> surfaces;
+  if (!problem.breached.empty()) surfaces.push_back(breach_rest(problem, problem.breached, limits));
+  const LocalPits pits = find_local_pits(problem, problem.height, level);
+  if (measure == ChangeMeasure::max && !surfaces.empty())
+    return surfaces;  // merging the best of each is the best of all
+  if ((pits.pit.size() == 1 || (problem.size() > kManyMembers && limits.max_visits != ~std::uint64_t{0})) &&
+      !surfaces.empty())
+    return surfaces;
+  BreachSearch search(problem.size());
+  std::vector<std::uint32_t> order(pits.pit.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const LocalPit &p = pits.pit[a], &q = pits.pit[b];
+    return std::tie(p.spill, p.height, p.first) < std::tie(q.spill, q.height, q.first);
+  });
+  surfaces.push_back(breach_in_turn(problem, pits, order, measure, limits, search));
+  const auto by_spill = order;
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const LocalPit &p = pits.pit[a], &q = pits.pit[b];
+    return std::tie(p.height, p.spill, p.first) < std::tie(q.height, q.spill, q.first);
+  });
+  if (order != by_spill && problem.size() <= kFewMembers)
+    surfaces.push_back(breach_in_turn(problem, pits, order, measure, limits, search));
+  return surfaces;
+}
+
+std::vector<std::int32_t> cheapest(const DrainageProblem& problem, std::vector<std::vector<std::int32_t>> surfaces,
+                                   ChangeMeasure measure) {
+  const auto best =
+      std::ranges::min_element(surfaces, {}, [&](const auto& surface) { return rank_of(problem, surface, measure); });
+  return std::move(*best);
+}
+
+/// Rounds of forest and regression from a start.
+class Improver {
+ public:
+  Improver(const DrainageProblem& problem, const std::vector<std::int32_t>& level, const LeastChangeOptions& options)
+      : problem_(&problem),
+        level_(&level),
+        options_(options),
+        lower_(problem.lower),
+        upper_(problem.upper),
+        finder_(problem) {}
+
+  void bound(std::vector<std::int32_t> lower, std::vector<std::int32_t> upper) {
+    lower_ = std::move(lower);
+    upper_ = std::move(upper);
+  }
+
+  void improve(std::vector<std::int32_t> surface) {
+    auto cost = rank_of(*problem_, surface, options_.measure);
+    for (int round = 0; round < options_.max_rounds; ++round) {
+      finder_.run(surface, forest_);
+      if (options_.measure == ChangeMeasure::count)
+        regression_.least_count(*problem_, forest_, next_);
+      else
+        regression_.least_total(*problem_, forest_, lower_, upper_, next_);
+      for (std::uint32_t v = 0; v < next_.size(); ++v) next_[v] = std::min(next_[v], (*level_)[v]);
+      const auto next_cost = rank_of(*problem_, next_, options_.measure);
+      if (next_cost >= cost) break;
+      cost = next_cost;
+      surface.swap(next_);
+    }
+    if (best_.empty() || cost < best_cost_) {
+      best_cost_ = cost;
+      best_ = std::move(surface);
+    }
+  }
+
+  [[nodiscard]] std::vector<std::int32_t> take_best() { return std::move(best_); }
+
+ private:
+  const DrainageProblem* problem_;
+  const std::vector<std::int32_t>* level_;
+  LeastChangeOptions options_;
+  std::vector<std::int32_t> lower_, upper_, next_, best_;
+  std::pair<std::int64_t, std::int64_t> best_cost_;
+  ForestFinder finder_;
+  DrainageForest forest_;
+  TreeRegression regression_;
+};
+
+struct Corridor {
+  std::vector<std::int32_t> lower, upper;  // h - D, h + D within the bounds of the problem
+  std::vector<std::int32_t> least;         // the least surface in it that drains, kNoLevel anywhere: none
+};
+
+Corridor corridor(const DrainageProblem& problem, std::int64_t displacement) {
+  Corridor c;
+  for (std::uint32_t v = 0; v < problem.size(); ++v) {
+    const std::int64_t h = problem.height[v];
+    std::int64_t low = std::max<std::int64_t>(h - displacement, std::numeric_limits<std::int32_t>::min());
+    std::int64_t high = std::min<std::int64_t>(h + displacement, kNoLevel - 1);
+    if (!problem.lower.empty()) low = std::max<std::int64_t>(low, problem.lower[v]);
+    if (!problem.upper.empty()) high = std::min<std::int64_t>(high, problem.upper[v]);
+    c.lower.push_back(static_cast<std::int32_t>(low));
+    c.upper.push_back(static_cast<std::int32_t>(high));
+  }
+  c.least = lift(problem, c.lower);
+  for (std::uint32_t v = 0; v < problem.size(); ++v)
+    if (c.least[v] > c.upper[v]) c.least.clear();
+  return c;
+}
+
+Corridor narrowest_corridor(const DrainageProblem& problem, const std::vector<std::int32_t>& level) {
+  const std::int64_t highest = cost_of(problem, level, ChangeMeasure::max);
+  std::int64_t low = (highest + 1) / 2, high = highest;  // lifting needs `highest`
+  while (low < high) {
+    const std::int64_t middle = low + (high - low) / 2;
+    if (corridor(problem, middle).least.empty())
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return corridor(problem, low);
+}
+
+}  // namespace
+
+std::vector<std::int32_t> breach_all(const DrainageProblem& problem, ChangeMeasure measure,
+                                     const SearchLimits& limits) {
+  const std::vector<std::int32_t> level = level_of(problem);
+  return cheapest(problem, breached_surfaces(problem, level, measure, limits), measure);
+}
+
+std::vector<std::int32_t> least_change(const DrainageProblem& problem, const LeastChangeOptions& options) {
+  assert(problem.lower.size() == problem.upper.size() && "both bounds or none");
+  const std::vector<std::int32_t> level = level_of(problem);
+  Improver improver(problem, level, options);
+  if (options.measure == ChangeMeasure::max) {
+    Corridor c = narrowest_corridor(problem, level);
+    improver.bound(std::move(c.lower), std::move(c.upper));
+    improver.improve(std::move(c.least));
+    return improver.take_best();
+  }
+  std::vector<std::int32_t> breached =
+      cheapest(problem, breached_surfaces(problem, level, options.measure, options.limits), options.measure);
+  const bool lifting_is_worse = rank_of(problem, breached, options.measure) < rank_of(problem, level, options.measure);
+  if (problem.size() <= kFewMembers || !lifting_is_worse) improver.improve(level);
+  improver.improve(std::move(breached));
+  if (options.with_greedy) {
+    GreedyBreach greedy = greedy_breach(problem, options.measure, options.limits.max_depth);
+    if (greedy.has_guarantee) improver.improve(std::move(greedy.surface));
+  }
+  return improver.take_best();
+}
+
+}  // namespace hydrotin

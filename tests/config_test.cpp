@@ -53,7 +53,7 @@ TEST(Config, Defaults_SuitClassifiedGround) {
   EXPECT_EQ(options.output.dem.cell_m, 1.0);
   EXPECT_EQ(options.tiles.target_points, 4'000'000U);
   EXPECT_EQ(options.triangulation.order, 2);
-  EXPECT_EQ(options.triangulation.objective, Objective::local_minima);
+  EXPECT_EQ(options.triangulation.objectives, Objectives{Objective::local_minima});
   EXPECT_EQ(options.pits.method, PitMethod::lift);
   EXPECT_EQ(options.pits.outlets, OutletPolicy::hull);
   EXPECT_EQ(options.run.workers, 0);
@@ -94,7 +94,7 @@ run: {workers: 3, memory: 500MB, scratch: /tmp/w}
   EXPECT_EQ(options.output.keep, KeepWork::always);
   EXPECT_EQ(options.tiles.target_points, 1000U);
   EXPECT_EQ(options.triangulation.order, 0);
-  EXPECT_EQ(options.triangulation.objective, Objective::min_weight);
+  EXPECT_EQ(options.triangulation.objectives, Objectives{Objective::min_weight});
   EXPECT_EQ(options.pits.method, PitMethod::none);
   EXPECT_EQ(options.pits.outlets, OutletPolicy::lowest);
   EXPECT_EQ(options.run.workers, 3);
@@ -116,9 +116,30 @@ TEST(Config, Errors_NameLineAndColumn) {
             "c.yaml:2:24: triangulation.order: '2' is not possible (allowed: an integer from 0 to 6)");
   EXPECT_EQ(config_error(kMinimal + "triangulation: {order: [2]}\n"),
             "c.yaml:2:24: triangulation.order: a list is not possible (allowed: an integer from 0 to 6)");
+  const std::string allowed =
+      "delaunay, min-weight, local-minima, min-max-edge, max-min-angle, min-max-angle, min-max-circumradius, "
+      "min-max-enclosing-circle, min-max-area, max-min-area, max-sum-inradius, min-sum-inradius, min-max-order; or a "
+      "list of them by priority";
+  EXPECT_EQ(config_error(kMinimal + "triangulation: {objective: best}\n"),
+            "c.yaml:2:28: triangulation.objective: 'best' is not possible (allowed: " + allowed + ")");
+  EXPECT_EQ(config_error(kMinimal + "triangulation: {objective: [min-weight, 3]}\n"),
+            "c.yaml:2:41: triangulation.objective: '3' is not possible (allowed: " + allowed + ")");
+  EXPECT_EQ(config_error(kMinimal + "triangulation: {objective: []}\n"),
+            "c.yaml:2:28: triangulation.objective: '' is not possible: no objective is given");
   EXPECT_EQ(
-      config_error(kMinimal + "triangulation: {objective: best}\n"),
-      "c.yaml:2:28: triangulation.objective: 'best' is not possible (allowed: delaunay, min-weight, local-minima)");
+      config_error(kMinimal + "triangulation: {objective: [min-weight, local-minima, min-weight]}\n"),
+      "c.yaml:2:28: triangulation.objective: 'min-weight,local-minima,min-weight' is not possible: 'min-weight' is "
+      "given twice");
+  EXPECT_EQ(config_error(kMinimal + "triangulation: {objective: [min-weight, delaunay]}\n"),
+            "c.yaml:2:28: triangulation.objective: 'min-weight,delaunay' is not possible: 'delaunay' must stand alone");
+  for (const std::string coupled : {"min-max-degree", "min-max-area-ratio", "min-max-normal-angle", "max-convex-edges"})
+    EXPECT_EQ(config_error(kMinimal + "triangulation: {objective: " + coupled + "}\n"),
+              "c.yaml:2:28: triangulation.objective: '" + coupled +
+                  "' couples neighbouring polygons, which tiles solve apart; use hydrotin triangulate");
+  for (const std::string error : {"min-squared-error", "min-absolute-error", "min-max-error"})
+    EXPECT_EQ(config_error(kMinimal + "triangulation: {objective: [local-minima, " + error + "]}\n"),
+              "c.yaml:2:28: triangulation.objective: '" + error +
+                  "' needs reference points, which a run does not take; use hydrotin triangulate --reference");
   EXPECT_EQ(config_error(kMinimal + "triangulation: 3\n"),
             "c.yaml:2:16: triangulation: '3' is not possible (allowed: a section with order, objective)");
   EXPECT_EQ(config_error(kMinimal + "output: {dem: {cell_m: -1}}\n"),
@@ -169,6 +190,13 @@ TEST(Config, Set_OverridesAndIsNamedInErrors) {
   EXPECT_EQ(options.output.dem.cell_m, 2);
   EXPECT_EQ(options.run.memory_bytes, std::uint64_t{2} << 30);
   EXPECT_EQ(options.output.dir, (folder / "elsewhere").string());
+
+  EXPECT_EQ(
+      options_of(folder, kMinimal, {"triangulation.objective=[local-minima, min-weight]"}).triangulation.objectives,
+      (Objectives{Objective::local_minima, Objective::min_weight}));
+  EXPECT_EQ(options_of(folder, kMinimal + "triangulation:\n  objective:\n    - max-min-angle\n    - local-minima\n")
+                .triangulation.objectives,
+            (Objectives{Objective::max_min_angle, Objective::local_minima}));
 
   EXPECT_EQ(config_error(kMinimal, {"triangulation.order=9"}),
             "--set triangulation.order: triangulation.order: '9' is not possible (allowed: an integer from 0 to 6)");

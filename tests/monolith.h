@@ -21,6 +21,7 @@ namespace hydrotin::testing {
 struct Monolith {
   std::string fingerprint;
   std::uint64_t vertices = 0, duplicates = 0, triangles = 0, pits_before = 0;
+  PointSetTriangulation figures;  ///< without its triangles; values in lattice units
 };
 
 /// The points in (x, y) order, one for each place: the lowest.
@@ -37,7 +38,7 @@ inline std::vector<std::pair<LatticePoint, std::int32_t>> lowest_points(const st
 
 /// @param base  lattice point that the data set's lattice has as origin
 inline Monolith run_monolith(const std::vector<LatticePoint>& position, const std::vector<std::int32_t>& height, int k,
-                             Objective objective, bool hull_outlets, LatticePoint base, std::int32_t base_z) {
+                             const Objectives& objectives, bool hull_outlets, LatticePoint base, std::int32_t base_z) {
   auto points = lowest_points(position, height);
   std::sort(points.begin(), points.end(),
             [](const auto& a, const auto& b) { return hilbert_key(a.first) < hilbert_key(b.first); });
@@ -50,7 +51,7 @@ inline Monolith run_monolith(const std::vector<LatticePoint>& position, const st
   Monolith out;
   out.vertices = p.size();
   out.duplicates = position.size() - p.size();
-  const auto triangulation = triangulate(p, z, k, objective);
+  const auto triangulation = triangulate(p, z, PointSetOptions{.order = k, .polygon = {.objectives = objectives}});
   out.triangles = triangulation.triangles.size();
   std::vector<std::uint32_t> corners;
   for (const auto& t : triangulation.triangles) corners.insert(corners.end(), t.begin(), t.end());
@@ -68,6 +69,8 @@ inline Monolith run_monolith(const std::vector<LatticePoint>& position, const st
                       {p[t[1]].x, p[t[1]].y, level[t[1]]},
                       {p[t[2]].x, p[t[2]].y, level[t[2]]}}});
   out.fingerprint = fingerprint.hex();
+  out.figures = triangulation;
+  out.figures.triangles.clear();
   return out;
 }
 

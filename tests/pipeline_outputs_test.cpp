@@ -120,7 +120,7 @@ TEST(PipelineOutputs, CarryTheCrsAndAgreeWithEachOther) {
     cloud.height.push_back(static_cast<std::int32_t>(p[2] / 10));
   }
   const auto expected =
-      testing::run_monolith(cloud.position, cloud.height, 2, options.triangulation.objective, true,
+      testing::run_monolith(cloud.position, cloud.height, 2, options.triangulation.objectives, true,
                             {static_cast<std::int32_t>(lattice.base_x), static_cast<std::int32_t>(lattice.base_y)},
                             static_cast<std::int32_t>(lattice.base_z));
   const DatasetSummary got = run(options);

@@ -90,7 +90,7 @@ inline DatasetSummary expect_monolith(const PipelineOptions& options, const std:
     cloud.height.push_back(at(2, lattice.z(0), lattice.scale_z));
   }
   const Monolith expected =
-      run_monolith(cloud.position, cloud.height, options.triangulation.order, options.triangulation.objective,
+      run_monolith(cloud.position, cloud.height, options.triangulation.order, options.triangulation.objectives,
                    options.pits.outlets == OutletPolicy::hull, {0, 0}, 0);
   const DatasetSummary got = run(options);
   EXPECT_EQ(got.fingerprint, expected.fingerprint);

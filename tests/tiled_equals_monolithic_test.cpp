@@ -178,7 +178,7 @@ Survey real_survey(const TemporaryFolder& folder, const RealCloud& cloud) {
 Monolith monolith_of(const Survey& survey, const PipelineOptions& options) {
   const Plan plan = make_plan(options);
   return testing::run_monolith(
-      survey.position, survey.height, options.triangulation.order, options.triangulation.objective,
+      survey.position, survey.height, options.triangulation.order, options.triangulation.objectives,
       options.pits.outlets == OutletPolicy::hull,
       {static_cast<std::int32_t>(plan.lattice.base_x), static_cast<std::int32_t>(plan.lattice.base_y)},
       static_cast<std::int32_t>(plan.lattice.base_z));
@@ -339,7 +339,7 @@ TEST_P(TiledEqualsMonolithic, OtherObjectivesAndOutlets) {
     for (const std::uint64_t target : {kEverything, std::uint64_t{3'000}}) {
       SCOPED_TRACE(::testing::Message() << "k " << k << " " << name(objective) << " target " << target);
       PipelineOptions options = options_of(survey, k, {target, 2, false, false}, folder / "out");
-      options.triangulation.objective = objective;
+      options.triangulation.objectives = {objective};
       options.pits.outlets = outlets;
       if (!expected) expected = monolith_of(survey, options);
       expect_equal(run(options), *expected);

@@ -14,6 +14,7 @@
 #include "hydrotin/lifting.h"
 #include "hydrotin/triangulation.h"
 #include "hydrotin/vertex_graph.h"
+#include "mend.h"
 #include "phases.h"
 #include "store.h"
 
@@ -172,6 +173,7 @@ inline CutTerrain cut_terrain(const WholeTerrain& whole, const PipelineOptions& 
     write_triangle_file(cut, whole, t, Phase::triangulate, share[t][0]);
     write_triangle_file(cut, whole, t, Phase::seam, share[t][1]);
   }
+  write_mendings(cut.context, std::vector<Mending>(plan.num_tiles()));
   return cut;
 }
 

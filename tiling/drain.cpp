@@ -47,6 +47,10 @@ RimFacts write_slices(const RunContext& context, const RimLevels& levels, store:
     const auto has_lower = in.read<std::uint8_t>("rim_has_lower");
     if (height.size() != rim.size() || has_lower.size() != rim.size())
       throw Error(ErrorKind::storage, in.path() + ": its rim arrays differ in length; delete the file and run again");
+    for (const std::uint64_t id : rim)
+      if (PointId(id).tile() >= context.plan.num_tiles())
+        throw Error(ErrorKind::storage,
+                    in.path() + ": a rim vertex is of a tile that does not exist; delete the file and run again");
     std::vector<std::int32_t> slice(rim.size());
     auto at = levels.vertex.begin();
     for (std::size_t i = 0; i < rim.size(); ++i) {
@@ -64,6 +68,10 @@ RimFacts write_slices(const RunContext& context, const RimLevels& levels, store:
     begin.push_back(begin.back() + rim.size());
     out.append("rim_level", slice, "z lattice: final level of each entry of the tile's `rim`");
   }
+  std::vector<std::uint64_t> rim_minima(context.plan.num_tiles());
+  for (std::size_t v = 0; v < levels.vertex.size(); ++v)
+    rim_minima[PointId(levels.vertex[v]).tile()] += !facts.has_lower[v];
+  out.append("rim_minima", rim_minima, "rim vertices without a lower neighbour, by the tile that owns them");
   out.append("rim_begin", begin, "offsets of the tiles into rim_level, one more than tiles");
   return facts;
 }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "hydrotin/predicates.h"
+#include "mend.h"
 #include "store.h"
 
 namespace hydrotin {
@@ -49,6 +50,16 @@ std::vector<Located> located(const store::Reader& in, const std::string& ids, co
   return out;
 }
 
+// Puts in the triangles of polygons that were solved again.
+void replace_mended(const RunContext& context, std::uint32_t tile, TriangleFile& file) {
+  const Mending mending = read_mended_triangles(context, tile);
+  for (std::size_t i = 0; i < mending.position.size(); ++i) {
+    const std::uint64_t at = mending.position[i];
+    if (at >= file.triangle.size() / 3) contradicts(file.path, "a triangle that was to be replaced is not there");
+    for (std::size_t j = 0; j < 3; ++j) file.triangle[3 * at + j] = mending.triangle[3 * i + j];
+  }
+}
+
 TriangleFile read_triangles(const RunContext& context, Phase phase, std::uint32_t tile, std::uint32_t num_own) {
   const bool is_seam = phase == Phase::seam;
   const store::Reader in(context.layout.unit(phase, tile));
@@ -56,6 +67,7 @@ TriangleFile read_triangles(const RunContext& context, Phase phase, std::uint32_
   file.listed =
       is_seam ? located(in, "point", "point_xyz", context) : located(in, "foreign_point", "foreign_xyz", context);
   file.hull_edge = in.read<std::uint64_t>("hull_edge");
+  if (is_seam) replace_mended(context, tile, file);
   if (file.triangle.size() % 3 != 0 || file.hull_edge.size() % 2 != 0)
     contradicts(file.path, "an array of triangles or hull edges is cut");
   const std::uint64_t references = std::uint64_t{file.num_own} + file.listed.size();

@@ -46,7 +46,7 @@ struct Part {
   [[nodiscard]] std::vector<std::uint32_t> rim() const;
 };
 
-/// Reads a part from the outputs of `arrange`, `triangulate` and `seam`.
+/// Reads a part from the outputs of `arrange`, `triangulate`, `seam` and `mend`.
 /// Complexity: O(n log F + T).
 /// Fails: Error(storage) naming the file if anything in it is out of range or contradicts another array.
 [[nodiscard]] Part load_part(const RunContext& context, std::uint32_t tile);

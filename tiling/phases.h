@@ -38,6 +38,7 @@ void make_outline(const RunContext& context);
 void triangulate_tile(const RunContext& context, std::uint32_t tile);
 void join_pieces(const RunContext& context);
 void solve_seams(const RunContext& context, std::uint32_t tile);
+void mend_minima(const RunContext& context);
 void reduce_tile(const RunContext& context, std::uint32_t tile);
 void drain_tiles(const RunContext& context);
 void finish_tile(const RunContext& context, std::uint32_t tile);

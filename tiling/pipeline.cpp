@@ -20,6 +20,8 @@ void check(const PipelineOptions& options) {
   if (options.output.dir.empty()) fail("output.dir: no folder is named; say where the results shall go");
   if (options.triangulation.order < 0 || options.triangulation.order > 6)
     fail("triangulation.order: " + std::to_string(options.triangulation.order) + " is not possible; give 0 to 6");
+  if (const auto objection = objection_to_run(options.triangulation.objectives))
+    fail("triangulation.objective: " + *objection);
   if (options.tiles.target_points < 1000)
     fail("tiles.target_points: " + std::to_string(options.tiles.target_points) + " is too few; give 1,000 or more");
   if (!(options.output.dem.cell_m > 0)) fail("output.dem.cell_m: a cell must have a positive size");
@@ -70,6 +72,25 @@ void remove_scratch(const RunContext& context) {
 }
 
 }  // namespace
+
+std::optional<std::string> objection_to_run(const Objectives& objectives) {
+  for (const Objective objective : objectives) {
+    const std::string quoted = "'" + std::string(name(objective)) + "'";
+    switch (kind_of(objective)) {
+      case ObjectiveKind::degree:
+      case ObjectiveKind::quadrilateral_sum:
+      case ObjectiveKind::quadrilateral_bottleneck:
+        return quoted + " couples neighbouring polygons, which tiles solve apart; use hydrotin triangulate";
+      default:
+        break;
+    }
+    if (needs_reference(objective))
+      return quoted + " needs reference points, which a run does not take; use hydrotin triangulate --reference";
+  }
+  if (const auto objection = objection_to(objectives))
+    return "'" + name(objectives) + "' is not possible: " + *objection;
+  return std::nullopt;
+}
 
 PlanSummary plan_run(const PipelineOptions& options) {
   const RunContext context = plan_context(options);

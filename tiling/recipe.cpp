@@ -23,11 +23,11 @@ std::string RecipeHash::hex() const {
 }
 
 std::string recipe(const std::string& plan_recipe, const PipelineOptions& options, Phase phase) {
-  constexpr std::int64_t kFormat = 2;
+  constexpr std::int64_t kFormat = 3;
   RecipeHash hash;
   hash.add(kFormat).add(plan_recipe).add(std::string(name(phase)));
   if (phase >= Phase::triangulate)
-    hash.add(std::int64_t{options.triangulation.order}).add(std::string(name(options.triangulation.objective)));
+    hash.add(std::int64_t{options.triangulation.order}).add(name(options.triangulation.objectives));
   if (phase >= Phase::spill)
     hash.add(static_cast<std::int64_t>(options.pits.method)).add(static_cast<std::int64_t>(options.pits.outlets));
   if (phase >= Phase::finish) hash.add(std::int64_t{options.output.mesh_ply});

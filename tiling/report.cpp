@@ -10,10 +10,14 @@
 
 #include "file_checksum.h"
 #include "fingerprint.h"
+#include "hydrotin/measure.h"
 #include "hydrotin/raster.h"
 #include "hydrotin/vector.h"
 #include "hydrotin/version.h"
 #include "leftovers.h"
+#include "mend.h"
+#include "part_value.h"
+#include "polygon_figures.h"
 #include "reduced_store.h"
 #include "schedule.h"
 #include "terrain_file.h"
@@ -32,17 +36,38 @@ struct PitRow {
   friend auto operator<=>(const PitRow&, const PitRow&) = default;
 };
 
-struct TileRow {
-  std::uint64_t points = 0, triangles = 0;
+// What was made of one tile, or of all.
+struct TriangulationFigures {
+  std::uint64_t points = 0, triangles = 0, useful_edges = 0, fixed_edges = 0;
+  std::int64_t minima = 0, minima_bound = 0;
+  PolygonFigures polygons;
+  std::vector<ObjectiveValue> value;  // of each objective
+
+  void add(const TriangulationFigures& other) {
+    points += other.points;
+    triangles += other.triangles;
+    useful_edges += other.useful_edges;
+    fixed_edges += other.fixed_edges;
+    minima += other.minima;
+    minima_bound += other.minima_bound;
+    polygons.add(other.polygons);
+    value.resize(other.value.size());
+    for (std::size_t i = 0; i < value.size(); ++i) value[i].add(other.value[i]);
+  }
+};
+
+// Of the first objective, in the unit of the coordinates.
+struct Verdict {
+  double value = 0, bound = 0;
+  bool optimal = true;
 };
 
 // Everything that the tiles' files say, added up.
 struct Figures {
   DatasetSummary summary;
-  std::vector<TileRow> tile;
+  std::vector<TriangulationFigures> tile;
+  TriangulationFigures all;
   std::vector<PitRow> pits;  // before lifting
-  std::int64_t polygons = 0, components = 0, max_components = 0, max_polygon = 0, fallbacks = 0;
-  std::int64_t minima = 0, minima_bound = 0;
   std::int64_t lifted = 0, lift_total = 0, lift_max = 0;
 };
 
@@ -56,24 +81,80 @@ void add_pits(const store::Reader& in, std::vector<PitRow>& rows) {
     rows.push_back({{xyz[3 * i], xyz[3 * i + 1]}, xyz[3 * i + 2], level[i], vertices[i]});
 }
 
-void add_polygons(const store::Reader& in, Figures& f) {
-  f.polygons += in.integer("polygons");
-  f.components += in.integer("components");
-  f.max_components = std::max(f.max_components, in.integer("max_components"));
-  f.max_polygon = std::max(f.max_polygon, in.integer("max_polygon"));
-  f.fallbacks += in.integer("fallbacks");
-  f.summary.max_triangle_order = std::max(f.summary.max_triangle_order, static_cast<int>(in.integer("max_order")));
+std::vector<TriangulationFigures> read_triangulations(const RunContext& context) {
+  const std::uint32_t num_tiles = context.plan.num_tiles();
+  std::vector<TriangulationFigures> tiles(num_tiles);
+  const MendedResults mended = read_mended_results(context);
+  const store::Reader drain(context.layout.unit(Phase::drain, 0));
+  const auto rim_minima = drain.read<std::uint64_t>("rim_minima");
+  if (rim_minima.size() != num_tiles)
+    throw Error(ErrorKind::storage, drain.path() + ": it does not fit the plan; delete the file and run again");
+  for (std::uint32_t t = 0; t < num_tiles; ++t) {
+    TriangulationFigures& tile = tiles[t];
+    const store::Reader triangulated(context.layout.unit(Phase::triangulate, t));
+    tile.useful_edges = static_cast<std::uint64_t>(triangulated.integer("useful_edges"));
+    tile.fixed_edges = static_cast<std::uint64_t>(triangulated.integer("fixed_edges"));
+    tile.minima_bound = triangulated.integer("minima_bound");
+    tile.polygons = read_figures(triangulated);
+    tile.polygons.add(mended.figures(context, t));
+    const store::Reader spill(context.layout.unit(Phase::spill, t));
+    tile.value = read_values(spill, context.options.triangulation.objectives.size());
+    tile.minima += spill.integer("inner_minima") + static_cast<std::int64_t>(rim_minima[t]);
+    // A minimum counts for the tile that owns the point.
+    for (const std::uint64_t point : spill.read<std::uint64_t>("foreign_minima")) {
+      if (PointId(point).tile() >= num_tiles)
+        throw Error(ErrorKind::storage,
+                    spill.path() + ": a minimum is of a tile that does not exist; delete the file and run again");
+      --tile.minima;
+      ++tiles[PointId(point).tile()].minima;
+    }
+  }
+  return tiles;
+}
+
+double value_of(Objective objective, const TriangulationFigures& f, std::size_t i) {
+  if (objective == Objective::min_max_order) return static_cast<double>(f.polygons.max_order);
+  switch (kind_of(objective)) {
+    case ObjectiveKind::minima:
+      return static_cast<double>(f.minima);
+    case ObjectiveKind::sum:
+    case ObjectiveKind::bottleneck:
+      return total(objective, f.value[i]);
+    default:
+      return 0;
+  }
+}
+
+Verdict judge(const RunContext& context, const TriangulationFigures& f) {
+  const Objective first = context.options.triangulation.objectives.front();
+  const double unit = unit_of(first, context.plan.lattice);
+  Verdict out{value_of(first, f, 0) * unit, 0, f.polygons.not_optimal == 0};
+  switch (kind_of(first)) {
+    case ObjectiveKind::minima:
+      out.bound = static_cast<double>(f.minima_bound);
+      out.optimal = f.minima == f.minima_bound;
+      break;
+    case ObjectiveKind::sum: {
+      // Every inner edge was counted from both sides.
+      const double gap = f.polygons.gap.value() * unit / (first == Objective::min_weight ? 2 : 1);
+      out.bound = is_maximised(first) ? out.value + gap : out.value - gap;
+      break;
+    }
+    case ObjectiveKind::bottleneck:
+      out.bound = out.optimal ? out.value : measure_of_score(first, f.polygons.bound) * unit;
+      break;
+    default:
+      break;
+  }
+  return out;
 }
 
 Figures collect(const RunContext& context) {
   Figures f;
+  f.tile = read_triangulations(context);
   Fingerprint fingerprint;
   std::vector<PlateauSummary> open;
   for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t) {
-    const store::Reader triangulated(context.layout.unit(Phase::triangulate, t));
-    add_polygons(triangulated, f);
-    f.minima_bound += triangulated.integer("minima_bound");
-    add_polygons(store::Reader(context.layout.unit(Phase::seam, t)), f);
     const store::Reader terrain(context.layout.terrain(t));
     add_pits(terrain, f.pits);
     const auto part = Fingerprint::parse(terrain.text("fingerprint"));
@@ -81,9 +162,9 @@ Figures collect(const RunContext& context) {
       throw Error(ErrorKind::storage,
                   terrain.path() + ": its fingerprint is unreadable; delete the file and run again");
     fingerprint.add(*part);
-    f.tile.push_back({static_cast<std::uint64_t>(terrain.integer("points")),
-                      static_cast<std::uint64_t>(terrain.integer("triangles"))});
-    f.summary.triangles += f.tile.back().triangles;
+    f.tile[t].points = static_cast<std::uint64_t>(terrain.integer("points"));
+    f.tile[t].triangles = static_cast<std::uint64_t>(terrain.integer("triangles"));
+    f.all.add(f.tile[t]);
     f.summary.pits += read_pits(terrain, "final_").size();
     open.push_back(read_open_plateaus(terrain, "final_"));
     f.lifted += terrain.integer("inner_lifted");
@@ -94,11 +175,12 @@ Figures collect(const RunContext& context) {
   const store::Reader drain(context.layout.unit(Phase::drain, 0));
   add_pits(drain, f.pits);
   std::sort(f.pits.begin(), f.pits.end());
-  f.minima = drain.integer("minima_before");
   f.lifted += drain.integer("rim_lifted");
   f.lift_total += drain.integer("rim_lift_total");
   f.lift_max = std::max(f.lift_max, drain.integer("rim_lift_max"));
   DatasetSummary& s = f.summary;
+  s.triangles = f.all.triangles;
+  s.max_triangle_order = static_cast<int>(f.all.polygons.max_order);
   s.points = context.outline.points;
   s.vertices = context.outline.vertices;
   s.duplicates = context.outline.duplicates;
@@ -156,24 +238,51 @@ void write_rasters(const RunContext& context) {
     write_hillshade(context.layout.hillshade(), dem.cog ? context.layout.dem() : mosaic, 4096, options);
 }
 
+json to_json(const RunContext& context, const TriangulationFigures& f) {
+  const PolygonFigures& p = f.polygons;
+  std::size_t num_sizes = PolygonFigures::kNumSizes;
+  while (num_sizes > 0 && p.sizes[num_sizes - 1] == 0) --num_sizes;
+  json out = {{"max_order", p.max_order},
+              {"useful_edges", f.useful_edges},
+              {"fixed_edges", f.fixed_edges},
+              {"polygons", p.polygons},
+              {"polygon_sizes", std::vector<std::uint64_t>(p.sizes.begin(), p.sizes.begin() + num_sizes)},
+              {"largest_polygon", p.max_polygon},
+              {"components", p.components},
+              {"most_components", p.max_components},
+              {"local_minima", f.minima},
+              {"fallbacks", p.fallbacks},
+              {"limit_missed", p.limit_missed}};
+  const Objectives& objectives = context.options.triangulation.objectives;
+  json values = json::object();
+  for (std::size_t i = 0; i < objectives.size(); ++i)
+    if (kind_of(objectives[i]) != ObjectiveKind::none)
+      values[std::string(name(objectives[i]))] =
+          value_of(objectives[i], f, i) * unit_of(objectives[i], context.plan.lattice);
+  const Verdict verdict = judge(context, f);
+  out["values"] = values;
+  if (kind_of(objectives.front()) != ObjectiveKind::none) {
+    out["value"] = verdict.value;
+    out["bound"] = verdict.bound;
+  }
+  out["optimal"] = verdict.optimal;
+  return out;
+}
+
 json to_json(const RunContext& context, const Figures& f) {
   const DatasetSummary& s = f.summary;
   const double unit = context.plan.lattice.scale_z;
-  const bool by_minima = context.options.triangulation.objective == Objective::local_minima;
-  json triangulation = {{"order", s.order},
-                        {"objective", name(context.options.triangulation.objective)},
-                        {"local_minima", f.minima},
-                        {"polygons", f.polygons},
-                        {"largest_polygon", f.max_polygon},
-                        {"components", f.components},
-                        {"most_components", f.max_components},
-                        {"fallbacks", f.fallbacks}};
-  if (by_minima) {
-    triangulation["bound"] = f.minima_bound;
-    triangulation["optimal"] = f.minima == f.minima_bound;
-  } else {
-    triangulation["optimal"] = f.fallbacks == 0;
+  json triangulation = to_json(context, f.all);
+  triangulation["order"] = s.order;
+  triangulation["objective"] = name(context.options.triangulation.objectives);
+  json tiles = json::array();
+  for (std::size_t t = 0; t < f.tile.size(); ++t) {
+    tiles.push_back(to_json(context, f.tile[t]));
+    tiles.back()["tile"] = t;
+    tiles.back()["points"] = f.tile[t].points;
+    tiles.back()["triangles"] = f.tile[t].triangles;
   }
+  triangulation["per_tile"] = std::move(tiles);
   return {{"program", std::string("hydrotin ") + version()},
           {"crs", context.plan.crs},
           {"tiles", context.plan.num_tiles()},
@@ -198,6 +307,47 @@ json to_json(const RunContext& context, const Figures& f) {
           {"fingerprint", s.fingerprint}};
 }
 
+std::string short_number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.10g", value);
+  return text;
+}
+
+template <class Row>
+void write_verdict(const RunContext& context, const TriangulationFigures& f, Row row) {
+  if (kind_of(context.options.triangulation.objectives.front()) == ObjectiveKind::none) return;
+  const Verdict verdict = judge(context, f);
+  row("  value", short_number(verdict.value));
+  row("  bound", short_number(verdict.bound) + (verdict.optimal ? " (met: optimal)" : " (not met)"));
+}
+
+// 1, 2, 3-4, 5-8, ...
+std::string bucket_name(std::size_t bucket) {
+  if (bucket < 2) return std::to_string(bucket + 1);
+  return std::to_string((std::uint64_t{1} << (bucket - 1)) + 1) + "-" + std::to_string(std::uint64_t{1} << bucket);
+}
+
+void write_tiles(const RunContext& context, const Figures& f, std::ostream& out) {
+  char line[256];
+  const auto print = [&](auto... cells) {
+    std::snprintf(line, sizeof line, "%6s %11s %11s %5s %12s %11s %10s %8s %10s %9s %16s %16s %s\n", cells...);
+    out << line;
+  };
+  out << "\nTiles\n";
+  print("tile", "points", "triangles", "order", "useful edges", "fixed", "polygons", "largest", "components",
+        "fallbacks", "value", "bound", "optimal");
+  const auto text = [](std::uint64_t n) { return std::to_string(n); };
+  for (std::size_t t = 0; t < f.tile.size(); ++t) {
+    const TriangulationFigures& tile = f.tile[t];
+    const PolygonFigures& p = tile.polygons;
+    const Verdict verdict = judge(context, tile);
+    print(text(t).c_str(), text(tile.points).c_str(), text(tile.triangles).c_str(), text(p.max_order).c_str(),
+          text(tile.useful_edges).c_str(), text(tile.fixed_edges).c_str(), text(p.polygons).c_str(),
+          text(p.max_polygon).c_str(), text(p.components).c_str(), text(p.fallbacks).c_str(),
+          short_number(verdict.value).c_str(), short_number(verdict.bound).c_str(), verdict.optimal ? "yes" : "no");
+  }
+}
+
 std::string to_text(const RunContext& context, const Figures& f) {
   const DatasetSummary& s = f.summary;
   const double unit = context.plan.lattice.scale_z;
@@ -216,15 +366,20 @@ std::string to_text(const RunContext& context, const Figures& f) {
   row("  triangles", s.triangles);
   row("  order asked for", s.order);
   row("  highest order used", s.max_triangle_order);
-  row("  objective", name(context.options.triangulation.objective));
-  row("  polygons", f.polygons);
-  row("  largest polygon", std::to_string(f.max_polygon) + " Delaunay triangles");
-  row("  components inside polygons", f.components);
-  row("  polygons that fell back", f.fallbacks);
-  row("  local minima", f.minima);
-  if (context.options.triangulation.objective == Objective::local_minima)
-    row("  lower bound on them",
-        std::to_string(f.minima_bound) + (f.minima == f.minima_bound ? " (met: optimal)" : " (not met)"));
+  row("  objective", name(context.options.triangulation.objectives));
+  write_verdict(context, f.all, row);
+  row("  useful edges", f.all.useful_edges);
+  row("  fixed edges", f.all.fixed_edges);
+  row("  polygons", f.all.polygons.polygons);
+  row("  largest polygon", std::to_string(f.all.polygons.max_polygon) + " Delaunay triangles");
+  row("  components inside polygons", std::to_string(f.all.polygons.components) + ", at most " +
+                                          std::to_string(f.all.polygons.max_components) + " in one");
+  row("  polygons that fell back", f.all.polygons.fallbacks);
+  row("  polygons beyond the limit", f.all.polygons.limit_missed);
+  row("  local minima", f.all.minima);
+  out << "\nPolygons by Delaunay triangles\n";
+  for (std::size_t b = 0; b < PolygonFigures::kNumSizes; ++b)
+    if (f.all.polygons.sizes[b] > 0) row("  " + bucket_name(b), f.all.polygons.sizes[b]);
   out << "\nPits\n";
   row("  before", f.pits.size());
   row("  left", s.pits);
@@ -234,6 +389,7 @@ std::string to_text(const RunContext& context, const Figures& f) {
   row("  total displacement", text);
   std::snprintf(text, sizeof text, "%.3f m", static_cast<double>(f.lift_max) * unit);
   row("  largest displacement", text);
+  write_tiles(context, f, out);
   out << "\nResult\n";
   row("  fingerprint", s.fingerprint);
   row("  problems", s.problems.empty() ? "none" : s.problems.front());
@@ -295,7 +451,7 @@ void write_index(const RunContext& context, const Figures& f) {
   out.append("tile_count", context.outline.count, "vertices that the tile owns");
   out.append("tile_box", flatten(context.outline.box), "tight boxes of them: min x, min y, max x, max y, lattice");
   std::vector<std::uint64_t> triangles;
-  for (const TileRow& t : f.tile) triangles.push_back(t.triangles);
+  for (const TriangulationFigures& t : f.tile) triangles.push_back(t.triangles);
   out.append("tile_triangles", triangles, "triangles in terrain/tile_NNNNNN.h5");
   std::vector<std::uint64_t> checksum(context.plan.num_tiles());
   for_all(context, checksum.size(), [&](std::uint64_t t) { checksum[t] = file_checksum(context.layout.terrain(t)); });

@@ -16,8 +16,8 @@ namespace hydrotin {
 namespace {
 
 bool is_single(Phase phase) {
-  return phase == Phase::plan || phase == Phase::outline || phase == Phase::join || phase == Phase::drain ||
-         phase == Phase::report;
+  return phase == Phase::plan || phase == Phase::outline || phase == Phase::join || phase == Phase::mend ||
+         phase == Phase::drain || phase == Phase::report;
 }
 
 void do_unit(const RunContext& context, Phase phase, std::uint32_t unit) {
@@ -36,6 +36,8 @@ void do_unit(const RunContext& context, Phase phase, std::uint32_t unit) {
       return join_pieces(context);
     case Phase::seam:
       return solve_seams(context, unit);
+    case Phase::mend:
+      return mend_minima(context);
     case Phase::spill:
       return reduce_tile(context, unit);
     case Phase::drain:

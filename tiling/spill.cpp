@@ -2,6 +2,7 @@
 #include <tuple>
 
 #include "part.h"
+#include "part_value.h"
 #include "phases.h"
 #include "reduced_store.h"
 
@@ -26,7 +27,12 @@ void reduce_tile(const RunContext& context, std::uint32_t tile) {
   const std::vector<std::uint8_t> is_outlet = outlet_flags(context, part);
   const std::vector<std::uint8_t> has_lower = has_lower_neighbor(part);
   std::int64_t inner_minima = 0;
-  for (std::uint32_t v = 0; v < part.num_vertices(); ++v) inner_minima += !part.is_rim[v] && !has_lower[v];
+  std::vector<std::uint64_t> foreign_minima;
+  for (std::uint32_t v = 0; v < part.num_vertices(); ++v) {
+    if (part.is_rim[v] || has_lower[v]) continue;
+    ++inner_minima;
+    if (v >= part.num_own) foreign_minima.push_back(part.point[v]);
+  }
   std::vector<std::uint8_t> rim_has_lower;
   std::vector<std::int32_t> rim_height;
   for (const std::uint32_t v : part.rim()) {
@@ -43,6 +49,8 @@ void reduce_tile(const RunContext& context, std::uint32_t tile) {
                  summarize_plateaus(part.graph, part.height, part.position, is_outlet, part.point, part.is_rim));
   out.append("bounds", flatten(std::vector{part.bounds()}), "box of the triangles; min above max if there is none");
   out.set("inner_minima", inner_minima);
+  out.append("foreign_minima", foreign_minima, "those of them that are points of other tiles");
+  write_values(out, values_of(part, context.options.triangulation.objectives));
   out.set("vertices", static_cast<std::int64_t>(part.num_vertices()));
   out.set("triangles", static_cast<std::int64_t>(part.num_triangles()));
   out.commit();

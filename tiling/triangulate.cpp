@@ -1,12 +1,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <unordered_map>
+#include <memory>
 
 #include "certify.h"
+#include "hydrotin/measure.h"
 #include "hydrotin/polygon_batch.h"
 #include "phases.h"
 #include "pieces.h"
+#include "polygon_figures.h"
 
 namespace hydrotin {
 namespace {
@@ -24,7 +26,7 @@ double initial_halo(const Outline& outline, std::uint32_t tile, int k) {
 // The tile's polygons, with everything that solving them needs.
 class TilePolygons {
  public:
-  TilePolygons(const CertifiedTile& tile, std::span<const std::int32_t> height, int k, Objective objective)
+  TilePolygons(const CertifiedTile& tile, std::span<const std::int32_t> height, int k, const Objectives& objectives)
       : tile_(tile),
         tri_(tile.triangulation.view()),
         crossings_(find_crossings(tri_, tile.edges)),
@@ -32,13 +34,11 @@ class TilePolygons {
         triangles_(order_k_triangles(tri_, tile.links, tile.edges, k)) {
     find_borders();
     distribute();
-    if (objective == Objective::local_minima)
-      assignment_ = assign_minima(tri_, tile.links, tile.edges, crossings_, height);
-    to_solve_ = polygons_to_solve(tri_, tile.links, height, crossings_, subdivision_, objective,
-                                  objective == Objective::local_minima ? &assignment_ : nullptr);
-    source_ =
-        std::make_unique<PolygonSource>(PolygonSource{tri_, height, crossings_, subdivision_, triangles_, candidates_,
-                                                      objective == Objective::local_minima ? &assignment_ : nullptr});
+    const bool by_minima = counts_minima(objectives);
+    if (by_minima) assignment_ = assign_minima(tri_, tile.links, tile.edges, crossings_, height);
+    choose(height, objectives);
+    source_ = std::make_unique<PolygonSource>(PolygonSource{tri_, height, crossings_, subdivision_, triangles_,
+                                                            candidates_, by_minima ? &assignment_ : nullptr});
   }
 
   [[nodiscard]] const PolygonSource& source() const { return *source_; }
@@ -49,6 +49,10 @@ class TilePolygons {
     return tile_.owned[subdivision_.triangles_of(f).front().value] != 0;
   }
   [[nodiscard]] bool crosses_border(std::uint32_t f) const { return border_[f] != 0; }
+  // Whether all triangles of the polygon are owned.
+  [[nodiscard]] bool is_complete(std::uint32_t f) const { return is_owned(f) && !crosses_border(f); }
+  // Whether there is more than one way to triangulate the polygon.
+  [[nodiscard]] bool has_choice(std::uint32_t f) const { return candidates_.begin[f] < candidates_.begin[f + 1]; }
   // Whether more than the Delaunay triangles of an owned polygon have to be looked at.
   [[nodiscard]] bool is_to_solve(std::uint32_t f) const { return to_solve_[f] != 0; }
   [[nodiscard]] bool is_border(HalfedgeId h) const {
@@ -64,6 +68,17 @@ class TilePolygons {
       if (joined[h.value])
         joined[h.value] = tile_.owned[triangle_of(h).value] && tile_.owned[triangle_of(tri_.twin[h]).value];
     return joined;
+  }
+
+  void choose(std::span<const std::int32_t> height, const Objectives& objectives) {
+    if (objectives.size() == 1) {
+      to_solve_ = polygons_to_solve(tri_, tile_.links, height, crossings_, subdivision_, objectives.front(),
+                                    counts_minima(objectives) ? &assignment_ : nullptr);
+      return;
+    }
+    // Delaunay triangles that serve all vertices may not be best for the objectives after the first.
+    to_solve_.resize(subdivision_.size());
+    for (std::uint32_t f = 0; f < subdivision_.size(); ++f) to_solve_[f] = subdivision_.triangles_of(f).size() > 1;
   }
 
   void find_borders() {
@@ -114,44 +129,92 @@ class TilePolygons {
   std::unique_ptr<PolygonSource> source_;
 };
 
-struct Figures {
-  std::int64_t polygons = 0, components = 0, max_components = 0, max_polygon = 0, fallbacks = 0, max_order = 0;
+// The answers of the complete polygons that were solved, ascending.
+struct Answers {
+  std::vector<std::uint32_t> polygon;
+  std::vector<std::uint64_t> begin{0};  // first triangle of each
+  std::vector<std::array<VertexId, 3>> triangle;
+  ResultTable result;
+  std::vector<VertexId> unserved;  // vertices that their polygon left without a lower neighbour
 };
 
-// Solves what lies inside, cuts out what crosses the border.
+Answers solve_complete(const TilePolygons& polygons, PolygonExtractor& extractor, const PolygonOptions& options) {
+  Answers out;
+  PolygonSolver solver(options);
+  std::vector<std::array<std::uint32_t, 3>> answer;
+  for (std::uint32_t f = 0; f < polygons.subdivision().size(); ++f) {
+    if (!polygons.is_complete(f) || !polygons.is_to_solve(f)) continue;
+    answer.clear();
+    const PolygonResult result = solver.solve(extractor.extract(f), answer);
+    const auto vertex = extractor.vertices();
+    for (const auto& t : answer) out.triangle.push_back({vertex[t[0]], vertex[t[1]], vertex[t[2]]});
+    for (const std::uint32_t v : solver.unserved()) out.unserved.push_back(vertex[v]);
+    out.polygon.push_back(f);
+    out.begin.push_back(out.triangle.size());
+    out.result.add(result);
+  }
+  return out;
+}
+
+// Complete polygons that may be offered a vertex which another polygon leaves without a lower neighbour: one that this
+// tile does not know as a whole, or one of its own that did. They are decided after the seams.
+std::vector<std::uint8_t> contested_polygons(const TilePolygons& polygons, const VertexLinks& links,
+                                             const std::vector<VertexId>& unserved) {
+  const Subdivision& subdivision = polygons.subdivision();
+  const auto& where = polygons.assignment().where;
+  std::vector<std::uint8_t> contested(subdivision.size()), left(where.size());
+  for (const VertexId v : unserved) left[v.value] = 1;
+  for (std::uint32_t v = 0; v < where.size(); ++v) {
+    if (where[v].is_none()) continue;
+    const std::uint32_t own = subdivision.polygon[where[v].value];
+    if (!left[v] && polygons.is_complete(own)) continue;
+    for (std::uint32_t i = links.begin[v]; i < links.begin[v + 1]; ++i) {
+      if (links.spoke[i].is_none()) continue;
+      const std::uint32_t f = subdivision.polygon[triangle_of(links.spoke[i]).value];
+      if (f != own && polygons.is_complete(f) && polygons.has_choice(f)) contested[f] = 1;
+    }
+  }
+  return contested;
+}
+
+// Writes what is decided, cuts out what crosses the border or is contested.
 class TileOutput {
  public:
-  TileOutput(const Neighborhood& around, const CertifiedTile& tile, const TilePolygons& polygons, Objective objective)
+  TileOutput(const Neighborhood& around, const CertifiedTile& tile, const TilePolygons& polygons,
+             const PipelineOptions& options)
       : around_(around),
         tri_(tile.triangulation.view()),
         tile_(tile),
         polygons_(polygons),
-        objective_(objective),
+        options_(polygon_options(options)),
         foreign_number_(around.position().size() - around.num_own(), kUnused) {}
 
   void solve() {
+    const Subdivision& subdivision = polygons_.subdivision();
     PolygonExtractor extractor(polygons_.source());
-    PolygonSolver solver({.objectives = {objective_}});
-    piece_of_.assign(polygons_.subdivision().size(), kUnused);
-    for (std::uint32_t f = 0; f < polygons_.subdivision().size(); ++f) {
+    const Answers answers = solve_complete(polygons_, extractor, options_);
+    for (const VertexId v : answers.unserved) unserved_.push_back(around_.point()[v.value].value);
+    const auto contested = contested_polygons(polygons_, tile_.links, answers.unserved);
+    piece_of_.assign(subdivision.size(), kUnused);
+    std::size_t solved = 0;
+    for (std::uint32_t f = 0; f < subdivision.size(); ++f) {
+      const bool is_solved = solved < answers.polygon.size() && answers.polygon[solved] == f;
+      const std::size_t number = solved;
+      solved += is_solved;
       if (!polygons_.is_owned(f)) continue;
-      if (polygons_.crosses_border(f)) {
+      if (polygons_.crosses_border(f) || contested[f]) {
         const PolygonProblem& problem = extractor.extract(f);
         piece_of_[f] = pieces_.add(piece(problem, extractor.vertices()));
         continue;
       }
-      if (polygons_.is_to_solve(f))
-        solve(f, extractor, solver);
+      figures_.add(static_cast<std::uint32_t>(subdivision.triangles_of(f).size()), subdivision.components[f]);
+      if (is_solved)
+        keep(answers, number);
       else
         keep_delaunay(f);
-      const Subdivision& subdivision = polygons_.subdivision();
-      ++figures_.polygons;
-      figures_.components += subdivision.components[f];
-      figures_.max_components = std::max<std::int64_t>(figures_.max_components, subdivision.components[f]);
-      figures_.max_polygon =
-          std::max<std::int64_t>(figures_.max_polygon, static_cast<std::int64_t>(subdivision.triangles_of(f).size()));
     }
     list_edges();
+    count_edges();
   }
 
   void write(store::Writer& out) const {
@@ -159,13 +222,11 @@ class TileOutput {
     out.append("foreign_point", foreign_point_, "tile << 32 | index");
     out.append("foreign_xyz", foreign_xyz_);
     out.append("hull_edge", hull_edge_, "directed edges of the hull at these triangles, as pairs of points");
+    out.append("unserved", unserved_, "points that their polygon left without a lower neighbour");
     pieces_.write(out);
-    out.set("polygons", figures_.polygons);
-    out.set("components", figures_.components);
-    out.set("max_components", figures_.max_components);
-    out.set("max_polygon", figures_.max_polygon);
-    out.set("fallbacks", figures_.fallbacks);
-    out.set("max_order", figures_.max_order);
+    write_figures(out, figures_);
+    out.set("useful_edges", useful_edges_);
+    out.set("fixed_edges", fixed_edges_);
     out.set("minima_bound", minima_bound());
     out.set("rounds", std::int64_t{tile_.rounds});
     out.set("fetched", static_cast<std::int64_t>(around_.num_fetched()));
@@ -175,20 +236,27 @@ class TileOutput {
  private:
   static constexpr std::uint32_t kUnused = static_cast<std::uint32_t>(-1);
 
-  void solve(std::uint32_t f, PolygonExtractor& extractor, PolygonSolver& solver) {
-    answer_.clear();
-    const PolygonResult result = solver.solve(extractor.extract(f), answer_);
-    for (const auto& t : answer_)
-      for (const std::uint32_t v : t) triangle_.push_back(reference(extractor.vertices()[v]));
-    figures_.max_order = std::max<std::int64_t>(figures_.max_order, result.max_order);
-    figures_.fallbacks += result.fell_back;
+  void keep(const Answers& answers, std::size_t number) {
+    for (std::uint64_t t = answers.begin[number]; t < answers.begin[number + 1]; ++t)
+      for (const VertexId v : answers.triangle[t]) triangle_.push_back(reference(v));
+    figures_.add(answers.result[number]);
   }
 
+  // Of a polygon whose Delaunay triangles are the best answer.
   void keep_delaunay(std::uint32_t f) {
+    const Objective first = options_.objectives.front();
+    const bool by_shape = kind_of(first) == ObjectiveKind::bottleneck && first != Objective::min_max_order;
+    PolygonResult result;
+    if (by_shape) result.bound = -std::numeric_limits<double>::infinity();
     for (const TriangleId t : polygons_.subdivision().triangles_of(f)) {
       const HalfedgeId h = first_halfedge(t);
-      for (const VertexId v : {tri_.origin[h], tri_.target(h), tri_.apex(h)}) triangle_.push_back(reference(v));
+      const std::array corner{tri_.origin[h], tri_.target(h), tri_.apex(h)};
+      for (const VertexId v : corner) triangle_.push_back(reference(v));
+      if (by_shape)
+        result.bound = std::max(result.bound, triangle_score(first, tri_.position[corner[0]], tri_.position[corner[1]],
+                                                             tri_.position[corner[2]]));
     }
+    figures_.add(result);
   }
 
   std::uint32_t reference(VertexId v) {
@@ -231,10 +299,23 @@ class TileOutput {
     }
   }
 
+  // Each edge counts for the tile that owns its smaller end in (x, y).
+  void count_edges() {
+    for (VertexId v{0}; tri_.num_triangles() > 0 && v.value < around_.num_own(); ++v.value)
+      for (std::uint32_t i = tile_.links.begin[v.value]; i < tile_.links.begin[v.value + 1]; ++i) {
+        if (!(tri_.position[v] < tri_.position[tile_.links.neighbor[i]])) continue;
+        const HalfedgeId spoke = tile_.links.spoke[i];
+        ++useful_edges_;
+        fixed_edges_ += spoke.is_none() || !polygons_.crossings().crossed[spoke.value];
+      }
+    useful_edges_ += std::count_if(tile_.edges.a.begin(), tile_.edges.a.end(),
+                                   [&](VertexId a) { return a.value < around_.num_own(); });
+  }
+
   // Own vertices that no order-k triangulation can save.
   [[nodiscard]] std::int64_t minima_bound() const {
     const auto& fate = polygons_.assignment().fate;
-    if (fate.empty()) return 0;
+    if (fate.empty() || tri_.num_triangles() == 0) return 0;
     return std::count(fate.begin(), fate.begin() + around_.num_own(), MinimumFate::always);
   }
 
@@ -242,24 +323,23 @@ class TileOutput {
   TriangulationView tri_;
   const CertifiedTile& tile_;
   const TilePolygons& polygons_;
-  Objective objective_;
+  PolygonOptions options_;
   std::vector<std::uint32_t> foreign_number_, triangle_, piece_of_;
-  std::vector<std::uint64_t> foreign_point_, hull_edge_;
+  std::vector<std::uint64_t> foreign_point_, hull_edge_, unserved_;
   std::vector<std::int32_t> foreign_xyz_;
-  std::vector<std::array<std::uint32_t, 3>> answer_;
   PieceWriter pieces_;
-  Figures figures_;
+  PolygonFigures figures_;
+  std::int64_t useful_edges_ = 0, fixed_edges_ = 0;
 };
 
 }  // namespace
 
 void triangulate_tile(const RunContext& context, std::uint32_t tile) {
   const int k = context.options.triangulation.order;
-  const Objective objective = context.options.triangulation.objective;
   Neighborhood around(context, tile, initial_halo(context.outline, tile, k));
   const CertifiedTile certified = certify(around, k);
-  const TilePolygons polygons(certified, around.height(), k, objective);
-  TileOutput output(around, certified, polygons, objective);
+  const TilePolygons polygons(certified, around.height(), k, context.options.triangulation.objectives);
+  TileOutput output(around, certified, polygons, context.options);
   output.solve();
   store::Writer out(context.layout.unit(Phase::triangulate, tile));
   out.set("recipe", context.recipe(Phase::triangulate));

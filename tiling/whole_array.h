@@ -5,8 +5,8 @@
 
 #include "schedule.h"
 
-/// Whole-array loops of the global passes (outline, join, drain), which run alone in their phase: no TBB task is at
-/// work, so OpenMP may have all the threads.
+/// Whole-array loops of the global passes (outline, join, mend, drain), which run alone in their phase: no TBB task is
+/// at work, so OpenMP may have all the threads.
 
 namespace hydrotin {
 

@@ -195,8 +195,19 @@ void read_triangulation(const Reader& triangulation, TriangulationOptions& optio
   if (const Reader order = triangulation.at("order"); order.is_given())
     options.order = static_cast<int>(order.integer(0, 6));
   if (const Reader objective = triangulation.at("objective"); objective.is_given()) {
-    constexpr Objective kValues[] = {Objective::delaunay, Objective::min_weight, Objective::local_minima};
-    options.objective = kValues[objective.choice({"delaunay", "min-weight", "local-minima"})];
+    std::string allowed;
+    for (std::size_t i = 0; i < kObjectiveNames.size(); ++i)
+      if (!objection_to_run({static_cast<Objective>(i)}))
+        allowed += (allowed.empty() ? "" : ", ") + std::string(kObjectiveNames[i]);
+    allowed += "; or a list of them by priority";
+    options.objectives.clear();
+    for (const Reader& item : objective.list(allowed)) {
+      const auto known = objective_named(item.text(allowed));
+      if (!known) item.refuse(allowed);
+      options.objectives.push_back(*known);
+    }
+    if (const auto objection = objection_to_run(options.objectives))
+      fail(objective.place(), objective.name() + ": " + *objection);
   }
 }
 

@@ -148,6 +148,28 @@ double measure_of_score(Objective objective, double score) {
   }
 }
 
+double unit_of(Objective objective, const Lattice& lattice) {
+  switch (objective) {
+    case Objective::min_weight:
+    case Objective::min_max_edge:
+    case Objective::min_max_circumradius:
+    case Objective::min_max_enclosing_circle:
+    case Objective::max_sum_inradius:
+    case Objective::min_sum_inradius:
+      return lattice.scale_xy;
+    case Objective::min_max_area:
+    case Objective::max_min_area:
+      return lattice.scale_xy * lattice.scale_xy;
+    case Objective::min_squared_error:
+      return lattice.scale_z * lattice.scale_z;
+    case Objective::min_absolute_error:
+    case Objective::min_max_error:
+      return lattice.scale_z;
+    default:
+      return 1;
+  }
+}
+
 double quadrilateral_score(Objective objective, const SurfacePoint& a, const SurfacePoint& b, const SurfacePoint& c,
                            const SurfacePoint& d, double z_per_xy) {
   switch (objective) {

@@ -30,6 +30,9 @@ namespace hydrotin {
 /// The measure that a score stands for: a length, an angle or an area.
 [[nodiscard]] double measure_of_score(Objective objective, double score);
 
+/// What one unit of an objective's value is in the unit of the coordinates: a length, an area, a height or 1.
+[[nodiscard]] double unit_of(Objective objective, const Lattice& lattice);
+
 /// A vertex of the surface.
 struct SurfacePoint {
   LatticePoint position;

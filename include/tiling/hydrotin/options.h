@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,6 @@
 /// metres. `app` fills it from YAML and `--set`; `tiling` splits it and hands each algorithm its own few numbers.
 
 namespace hydrotin {
-
 
 enum class OutletPolicy : std::uint8_t {
   hull,   ///< water may leave at the edge of the data
@@ -47,8 +47,8 @@ struct TileOptions {
 };
 
 struct TriangulationOptions {
-  int order = 2;  ///< 0..6
-  Objective objective = Objective::local_minima;
+  int order = 2;                                   ///< 0..6
+  Objectives objectives{Objective::local_minima};  ///< by priority; see objection_to_run
 };
 
 struct PitOptions {
@@ -70,5 +70,10 @@ struct PipelineOptions {
   PitOptions pits;
   ExecutionOptions run;
 };
+
+/// Why a run cannot optimise a list of objectives, or nothing if it can: every list of decomposable objectives and
+/// local-minima is possible. What looks at neighbouring polygons (degrees, pairs of triangles) or at reference points
+/// is for point sets in memory.
+[[nodiscard]] std::optional<std::string> objection_to_run(const Objectives& objectives);
 
 }  // namespace hydrotin

@@ -17,6 +17,7 @@ enum class Phase : std::uint8_t {
   triangulate,  ///< a unit per tile
   join,         ///< 1 unit: which border pieces form one polygon, and who solves it
   seam,         ///< a unit per tile: the polygons that cross tiles
+  mend,         ///< 1 unit: polygons that save local minima which others left
   spill,        ///< a unit per tile: its merge tree reduced to its rim
   drain,        ///< 1 unit: spill level of every rim vertex
   finish,       ///< a unit per tile: final heights, mesh
@@ -24,9 +25,9 @@ enum class Phase : std::uint8_t {
   report        ///< 1 unit: COG, hillshade, layers, figures
 };
 
-inline constexpr std::array<std::string_view, 12> kPhaseNames = {"plan",        "ingest", "arrange", "outline",
-                                                                 "triangulate", "join",   "seam",    "spill",
-                                                                 "drain",       "finish", "raster",  "report"};
+inline constexpr std::array<std::string_view, 13> kPhaseNames = {
+    "plan", "ingest", "arrange", "outline", "triangulate", "join",  "seam",
+    "mend", "spill",  "drain",   "finish",  "raster",      "report"};
 inline constexpr std::size_t kNumPhases = kPhaseNames.size();
 
 [[nodiscard]] constexpr std::string_view name(Phase phase) {

@@ -1,0 +1,2 @@
+hydrotin_test(tiled_objectives_test SOURCES tiled_objectives_test.cpp DEPENDS tiling PRIVATE nlohmann_json::nlohmann_json)
+target_include_directories(tiled_objectives_test PRIVATE ${PROJECT_SOURCE_DIR}/tiling)

@@ -1,0 +1,133 @@
+#include "polygon_figures.h"
+
+#include <algorithm>
+
+namespace hydrotin {
+namespace {
+
+constexpr std::uint8_t kFellBack = 1, kLimitMissed = 2, kNotOptimal = 4;
+
+Error damaged(const std::string& path) {
+  return {ErrorKind::storage, path + ": its figures of polygons contradict each other; delete the file and run again"};
+}
+
+}  // namespace
+
+bool counts_minima(const Objectives& objectives) {
+  return std::find(objectives.begin(), objectives.end(), Objective::local_minima) != objectives.end();
+}
+
+PolygonOptions polygon_options(const PipelineOptions& options) {
+  return {.objectives = options.triangulation.objectives};
+}
+
+void PolygonFigures::add(std::uint32_t size, std::uint32_t num_components) {
+  ++polygons;
+  ++sizes[bucket_of(size)];
+  components += num_components;
+  max_components = std::max<std::uint64_t>(max_components, num_components);
+  max_polygon = std::max<std::uint64_t>(max_polygon, size);
+}
+
+void PolygonFigures::add(const PolygonResult& result) {
+  fallbacks += result.fell_back;
+  limit_missed += result.limit_missed;
+  not_optimal += !result.optimal;
+  max_order = std::max<std::uint64_t>(max_order, result.max_order);
+  gap.add(result.gap);
+  bound = std::max(bound, result.bound);
+}
+
+void PolygonFigures::add(const PolygonFigures& other) {
+  polygons += other.polygons;
+  components += other.components;
+  max_components = std::max(max_components, other.max_components);
+  max_polygon = std::max(max_polygon, other.max_polygon);
+  for (std::size_t b = 0; b < kNumSizes; ++b) sizes[b] += other.sizes[b];
+  fallbacks += other.fallbacks;
+  limit_missed += other.limit_missed;
+  not_optimal += other.not_optimal;
+  max_order = std::max(max_order, other.max_order);
+  gap.add(other.gap);
+  bound = std::max(bound, other.bound);
+}
+
+void write_figures(store::Writer& out, const PolygonFigures& figures) {
+  for (const auto& [key, value] : {std::pair{"polygons", figures.polygons},
+                                   {"components", figures.components},
+                                   {"max_components", figures.max_components},
+                                   {"max_polygon", figures.max_polygon},
+                                   {"fallbacks", figures.fallbacks},
+                                   {"limit_missed", figures.limit_missed},
+                                   {"not_optimal", figures.not_optimal},
+                                   {"max_order", figures.max_order}})
+    out.set(key, static_cast<std::int64_t>(value));
+  out.set("gap_high", figures.gap.high());
+  out.set("gap_low", static_cast<std::int64_t>(figures.gap.low()));
+  out.set("bound", figures.bound);
+  out.append("polygon_sizes", std::vector<std::uint64_t>(figures.sizes.begin(), figures.sizes.end()),
+             "polygons of 1, 2, 3-4, 5-8, ... Delaunay triangles");
+}
+
+PolygonFigures read_figures(const store::Reader& in) {
+  PolygonFigures figures;
+  const auto count = [&](const char* key) { return static_cast<std::uint64_t>(in.integer(key)); };
+  figures.polygons = count("polygons");
+  figures.components = count("components");
+  figures.max_components = count("max_components");
+  figures.max_polygon = count("max_polygon");
+  figures.fallbacks = count("fallbacks");
+  figures.limit_missed = count("limit_missed");
+  figures.not_optimal = count("not_optimal");
+  figures.max_order = count("max_order");
+  figures.gap = ExactSum(in.integer("gap_high"), count("gap_low"));
+  figures.bound = in.real("bound");
+  const auto sizes = in.read<std::uint64_t>("polygon_sizes");
+  if (sizes.size() != PolygonFigures::kNumSizes) throw damaged(in.path());
+  std::copy(sizes.begin(), sizes.end(), figures.sizes.begin());
+  return figures;
+}
+
+ResultTable::ResultTable(const store::Reader& in)
+    : max_order_(in.read<std::uint32_t>("result_max_order")),
+      flags_(in.read<std::uint8_t>("result_flags")),
+      gap_(in.read<double>("result_gap")),
+      bound_(in.read<double>("result_bound")) {
+  if (flags_.size() != size() || gap_.size() != size() || bound_.size() != size()) throw damaged(in.path());
+}
+
+void ResultTable::add(const PolygonResult& result) {
+  max_order_.push_back(result.max_order);
+  flags_.push_back(static_cast<std::uint8_t>((result.fell_back ? kFellBack : 0) |
+                                             (result.limit_missed ? kLimitMissed : 0) |
+                                             (result.optimal ? 0 : kNotOptimal)));
+  gap_.push_back(result.gap);
+  bound_.push_back(result.bound);
+}
+
+void ResultTable::append(const ResultTable& other) {
+  max_order_.insert(max_order_.end(), other.max_order_.begin(), other.max_order_.end());
+  flags_.insert(flags_.end(), other.flags_.begin(), other.flags_.end());
+  gap_.insert(gap_.end(), other.gap_.begin(), other.gap_.end());
+  bound_.insert(bound_.end(), other.bound_.begin(), other.bound_.end());
+}
+
+void ResultTable::write(store::Writer& out) const {
+  out.append("result_max_order", max_order_, "highest order of a triangle of each polygon's answer");
+  out.append("result_flags", flags_, "1: fell back, 2: misses the limit on errors, 4: not proven to be optimal");
+  out.append("result_gap", gap_, "at most so much above the optimum, if the first objective is a sum");
+  out.append("result_bound", bound_, "no answer has a smaller score, if the first objective is a bottleneck");
+}
+
+PolygonResult ResultTable::operator[](std::size_t i) const {
+  PolygonResult result;
+  result.max_order = max_order_[i];
+  result.fell_back = (flags_[i] & kFellBack) != 0;
+  result.limit_missed = (flags_[i] & kLimitMissed) != 0;
+  result.optimal = (flags_[i] & kNotOptimal) == 0;
+  result.gap = gap_[i];
+  result.bound = bound_[i];
+  return result;
+}
+
+}  // namespace hydrotin

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <random>
 
+#include "hydrotin/river_burning.h"
 #include "hydrotin/river_embedding.h"
 #include "hydrotin/river_statistics.h"
 #include "oracle/full_river_program.h"
@@ -311,6 +312,46 @@ TEST(RiverEmbedding, Limits_EndWithFeasibleHeightsAndABound) {
     }
   }
   EXPECT_GT(stopped, 60);
+}
+
+TEST(RiverBurning, Objective_EqualsTheProgramWithRiverVerticesOnly) {
+  int solved = 0, infeasible = 0;
+  for (std::uint32_t seed = 0; seed < 300; ++seed) {
+    SCOPED_TRACE(seed);
+    TestTerrain terrain = random_terrain(seed, 15 + seed % 90, seed % 3 == 0 && seed % 90 < 40);
+    add_rivers(terrain, seed, 1 + seed % 6, 4 + seed % 14, true);
+    if (terrain.rivers.empty()) continue;
+    EmbeddingOptions options;
+    options.constraints = variants()[seed % 2];
+    options.constraints.river_only = true;
+    options.constraints.side_slope = seed % 5 == 0 ? 0.02 : 0;
+    const auto decline = fractional_declines(terrain.view(), terrain.rivers, seed % 2 == 0 ? 0 : 0.1);
+    const Burning burning = burn_rivers(terrain.view(), terrain.rivers, decline, options.constraints.side_slope);
+    const Embedding program = embed_rivers(terrain.view(), terrain.rivers, options);
+    if (burning.fault == BurningFault::infeasible) {
+      ++infeasible;
+      EXPECT_FALSE(program.broken.empty());
+      continue;
+    }
+    ASSERT_EQ(burning.fault, BurningFault::none);
+    EXPECT_TRUE(program.broken.empty());
+    ++solved;
+    EXPECT_NEAR(burning.objective, program.objective, 1e-6 * std::max(1.0, program.objective));
+    EXPECT_NEAR(burning.objective, total_change(terrain, burning.height), 1e-9);
+    const auto after = river_statistics(terrain.view(), terrain.rivers, burning.height, 1e-9);
+    EXPECT_EQ(after.wrong_flow + after.not_valley, 0u);
+  }
+  EXPECT_GT(solved, 200);
+}
+
+TEST(RiverBurning, Faults_AreNamed) {
+  TestTerrain terrain = one_edge(5, 1, 2, 3, 4);
+  const auto fault = [&](const std::vector<RiverEdge>& rivers) {
+    return burn_rivers(terrain.view(), rivers, std::vector<double>(rivers.size(), 0.0), 0).fault;
+  };
+  EXPECT_EQ(fault({{0, 1}}), BurningFault::none);
+  EXPECT_EQ(fault({{0, 1}, {0, 2}}), BurningFault::not_a_forest);
+  EXPECT_EQ(fault({{0, 1}, {1, 2}}), BurningFault::river_at_wingtip);
 }
 
 TEST(RiverNetwork, Faults_AreNamed) {

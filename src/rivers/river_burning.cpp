@@ -191,8 +191,8 @@ class Burner {
         const std::uint32_t e = above_[i];
         const Line line = piece(e, now.h, now.side);
         if (line.slope == 0) continue;
-        stack.push_back({rivers_[e].from, line.at(now.h), now.factor * line.slope,
-                         line.slope > 0 ? now.side : -now.side});
+        stack.push_back(
+            {rivers_[e].from, line.at(now.h), now.factor * line.slope, line.slope > 0 ? now.side : -now.side});
       }
     }
     return sum;
@@ -227,8 +227,8 @@ class Burner {
         for (std::uint32_t i = begin_[place.vertex]; i < begin_[place.vertex + 1]; ++i) {
           const Line line = piece(above_[i], place.of.at(inside), 1);
           if (line.slope != 0)
-            next.push_back({rivers_[above_[i]].from,
-                            {line.slope * place.of.slope, line.slope * place.of.offset + line.offset}});
+            next.push_back(
+                {rivers_[above_[i]].from, {line.slope * place.of.slope, line.slope * place.of.offset + line.offset}});
         }
       level.swap(next);
     }

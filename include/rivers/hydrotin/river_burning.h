@@ -32,9 +32,9 @@ enum class BurningFault : std::uint8_t {
 
 struct Burning {
   BurningFault fault = BurningFault::none;
-  std::uint32_t edge = 0;      ///< index of the edge in question where there is a fault
-  std::vector<double> height;  ///< [n]
-  double objective = 0;        ///< sum |h - h0|, rounded once from the exact sum
+  std::uint32_t edge = 0;         ///< index of the edge in question where there is a fault
+  std::vector<double> height;     ///< [n]
+  double objective = 0;           ///< sum |h - h0|, rounded once from the exact sum
   std::uint64_t evaluations = 0;  ///< of slopes of some C_v
 };
 

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <limits>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "hydrotin/river_embedding.h"
@@ -19,6 +20,8 @@ namespace {
 
 using namespace hydrotin;
 
+constexpr double kInfinity = std::numeric_limits<double>::max();
+
 struct Terrain {
   std::vector<std::array<double, 2>> position;
   std::vector<double> height;
@@ -26,11 +29,11 @@ struct Terrain {
   std::vector<RiverEdge> rivers;
 };
 
-// One vertex of the river per column (or a step in the column), in a winding valley; noise of some metres.
+// One vertex of the river per column (or a step in the column), in a winding valley; noise as measured terrain has.
 Terrain make_terrain(std::uint32_t side) {
   Terrain terrain;
   std::mt19937 random(42);
-  std::uniform_real_distribution<double> jitter(-20, 20), noise(-5, 5);
+  std::uniform_real_distribution<double> jitter(-20, 20), noise(-1.5, 1.5);
   const auto middle = [&](double x) { return 0.5 * side + 0.1 * side * std::sin(x / side * 9); };
   for (std::uint32_t y = 0; y < side; ++y)
     for (std::uint32_t x = 0; x < side; ++x) {
@@ -99,7 +102,7 @@ double full_program(const Terrain& t, const RiverConstraints& c, double& seconds
     const double x = t.position[b][0] - t.position[a][0], y = t.position[b][1] - t.position[a][1];
     add(a, 1);
     add(b, -1);
-    close(slope * std::hypot(x, y) - (t.height[a] - t.height[b]), COIN_DBL_MAX);
+    close(slope * std::hypot(x, y) - (t.height[a] - t.height[b]), kInfinity);
     const std::pair<std::uint32_t, std::uint32_t> key = std::minmax(a, b);
     for (auto e = std::lower_bound(edges.begin(), edges.end(), std::pair(key, 0u)); e != edges.end() && e->first == key;
          ++e) {
@@ -109,7 +112,7 @@ double full_program(const Terrain& t, const RiverConstraints& c, double& seconds
       add(w, 1);
       add(a, s - 1);
       add(b, -s);
-      close(-(t.height[w] - t.height[a] - s * (t.height[b] - t.height[a])), COIN_DBL_MAX);
+      close(-(t.height[w] - t.height[a] - s * (t.height[b] - t.height[a])), kInfinity);
     }
   }
   for (std::size_t e = 0; c.limit_edge_slope && e < edges.size(); ++e) {
@@ -126,7 +129,7 @@ double full_program(const Terrain& t, const RiverConstraints& c, double& seconds
   for (const int j : column) ++start[static_cast<std::size_t>(j) + 1];
   for (std::size_t j = 0; j < n; ++j) start[j + 1] += start[j];
   std::vector<int> row(column.size());
-  std::vector<double> element(column.size()), zero(n, 0), free(n, COIN_DBL_MAX), one(n, 1);
+  std::vector<double> element(column.size()), zero(n, 0), free(n, kInfinity), one(n, 1);
   std::vector<CoinBigIndex> next(start.begin(), start.end() - 1);
   for (std::size_t r = 0; r + 1 < begin.size(); ++r)
     for (auto i = static_cast<std::size_t>(begin[r]); i < static_cast<std::size_t>(begin[r + 1]); ++i) {
@@ -152,7 +155,10 @@ double full_program(const Terrain& t, const RiverConstraints& c, double& seconds
 
 int main(int argc, char** argv) {
   const Terrain t = make_terrain(argc > 1 ? static_cast<std::uint32_t>(std::atoi(argv[1])) : 350);
-  std::printf("triangles %zu, river edges %zu\n", t.triangle.size() / 3, t.rivers.size());
+  const auto faults = river_statistics({t.position, t.height, t.triangle}, t.rivers, t.height, 0);
+  std::printf("triangles %zu, river edges %zu, wrong flow %llu, not valley %llu\n", t.triangle.size() / 3,
+              t.rivers.size(), static_cast<unsigned long long>(faults.wrong_flow),
+              static_cast<unsigned long long>(faults.not_valley));
   std::printf("%-10s %12s %12s %9s %9s %7s %7s %7s\n", "variant", "lazy", "full", "lazy s", "full s", "ratio", "rows",
               "rounds");
   for (const char* name : {"VF", "VFR 10%", "VFRS 10%", "VFR 1deg", "VFRS 1deg"}) {

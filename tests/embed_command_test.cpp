@@ -89,6 +89,37 @@ TEST(EmbedCommand, Json_IsTheOptimumOfTheThesis) {
   EXPECT_NE(table.out.find("vertices moved"), std::string::npos);
 }
 
+TEST(EmbedCommand, Lake_FromPolygonsIsLevel) {
+  const TemporaryFolder folder;
+  TestTerrain terrain;
+  for (int y = 0; y < 5; ++y)
+    for (int x = 0; x < 5; ++x) {
+      terrain.position.push_back({x * 10.0, y * 10.0});
+      terrain.height.push_back(20 - 2 * x + 3 * std::abs(y - 2) + 0.1 * ((7 * x + 3 * y) % 5));
+    }
+  for (std::uint32_t y = 0; y < 4; ++y)
+    for (std::uint32_t x = 0; x < 4; ++x) {
+      const std::uint32_t a = 5 * y + x;
+      for (const std::uint32_t v : {a, a + 1, a + 6, a, a + 6, a + 5}) terrain.triangle.push_back(v);
+    }
+  terrain.rivers = {{10, 11}, {11, 12}};
+  write_files(folder, terrain);
+  // The border passes through vertices; a hole leaves one out; a feature without geometry is skipped.
+  write_text(folder / "lakes.geojson", R"({"type":"FeatureCollection","features":[
+    {"type":"Feature","properties":{},"geometry":null},
+    {"type":"Feature","properties":{},"geometry":{"type":"MultiPolygon","coordinates":[
+      [[[30,-1],[41,-1],[41,40],[30,40],[30,-1]],[[35,5],[45,5],[45,15],[35,15],[35,5]]]]}}]})");
+  const Outcome outcome = call(folder, "tin.ply --river-edges rivers.csv --variant VF --lakes lakes.geojson --json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const json result = json::parse(outcome.out);
+  EXPECT_EQ(result["broken"].size(), 0u);
+  for (const std::size_t v : {3, 8, 13, 18, 23, 4, 14, 19, 24})
+    EXPECT_EQ(result["heights"][v], result["heights"][3]) << v;
+  EXPECT_EQ(result["heights"][9].get<double>(), terrain.height[9]);
+  EXPECT_EQ(call(folder, "tin.ply --river-edges rivers.csv --lakes none.gpkg").code, 3);
+  EXPECT_EQ(call(folder, "tin.ply --rivers lakes.geojson").code, 2);
+}
+
 TEST(EmbedCommand, BadInput_GetsAClearError) {
   const TemporaryFolder folder;
   TestTerrain terrain = testing::random_terrain(3, 20, false);

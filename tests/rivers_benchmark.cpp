@@ -39,8 +39,8 @@ Terrain make_terrain(std::uint32_t side) {
     for (std::uint32_t x = 0; x < side; ++x) {
       terrain.position.push_back({430000 + 75.0 * x + jitter(random), 5810000 + 75.0 * y + jitter(random)});
       const double away = std::abs(y - middle(x));
-      terrain.height.push_back(600 - 500.0 * x / side + 1000 * away / side +
-                               30 * std::sin(x * 0.3) * std::sin(y * 0.23) + noise(random));
+      terrain.height.push_back(600 - 500.0 * x / side + 3000 * away / side +
+                               30 * std::min(1.0, away / 8) * std::sin(x * 0.3) * std::sin(y * 0.23) + noise(random));
     }
   const auto at = [&](std::uint32_t x, std::uint32_t y) { return y * side + x; };
   for (std::uint32_t y = 0; y + 1 < side; ++y)

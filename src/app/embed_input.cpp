@@ -8,6 +8,7 @@
 
 #include "edge_list.h"
 #include "hydrotin/error.h"
+#include "lake_vertices.h"
 
 namespace hydrotin::app {
 namespace {
@@ -105,9 +106,9 @@ EmbedInput read_embed_input(const EmbedArguments& arguments, RiverConstraints& c
   }
   for (const auto& t : input.mesh.triangle) input.triangle.insert(input.triangle.end(), t.begin(), t.end());
   check_terrain(arguments.tin, input);
-  if (!arguments.rivers.empty() || !arguments.lakes.empty())
-    throw Error(ErrorKind::config, "--rivers, --lakes: not in this version (use --river-edges)");
-  static_cast<void>(constraints);
+  if (!arguments.rivers.empty())
+    throw Error(ErrorKind::config, "--rivers: lines are not snapped in this version (use --river-edges)");
+  if (!arguments.lakes.empty()) constraints.lakes = read_lakes(arguments.lakes, input.position, input.mesh.crs_wkt);
   input.rivers_path = arguments.river_edges;
   for (const auto& [from, to] : read_edges(arguments.river_edges, input.position.size()))
     input.rivers.push_back({from, to});

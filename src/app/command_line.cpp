@@ -50,6 +50,7 @@ int run_command_line(int argc, char** argv) {
     add_triangulate_command(program, action);
     add_orders_command(program, action);
     add_fill_command(program, action);
+    add_embed_command(program, action);
     try {
       program.parse(argc, argv);
     } catch (const CLI::ParseError& problem) {

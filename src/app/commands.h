@@ -17,6 +17,7 @@ void add_pipeline_commands(CLI::App& program, Action& action);    ///< run, plan
 void add_info_command(CLI::App& program, Action& action);         ///< info
 void add_synth_command(CLI::App& program, Action& action);        ///< synth
 void add_fill_command(CLI::App& program, Action& action);         ///< fill
+void add_embed_command(CLI::App& program, Action& action);        ///< embed
 void add_triangulate_command(CLI::App& program, Action& action);  ///< triangulate
 void add_orders_command(CLI::App& program, Action& action);       ///< orders
 

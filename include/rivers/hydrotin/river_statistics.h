@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "hydrotin/river_network.h"
+
+/// What Tables 7.2, 7.3 and 7.4 of the thesis count.
+///
+/// Source   thesis, Section 7.2.
+/// Units    metres. Threads: pure.
+
+namespace hydrotin {
+
+struct RiverStatistics {
+  std::uint64_t wrong_flow = 0;     ///< river edges with h_from < h_to
+  std::uint64_t not_valley = 0;     ///< river edges with a wingtip below the plane H
+  std::uint64_t flat_edges = 0;     ///< river edges with h_from = h_to
+  std::uint64_t leak_vertices = 0;  ///< river vertices from which a way is steeper than the steepest river edge down
+  std::uint64_t local_minima = 0;   ///< of the terrain; a plateau counts as one
+};
+
+/// @param height     [n] to use in place of those of the terrain.
+/// @param tolerance  0: in exact arithmetic (heights as stored); otherwise what a height may be off [m].
+/// Complexity: O(n log n + T + R).
+[[nodiscard]] RiverStatistics river_statistics(const RiverTerrain& terrain, std::span<const RiverEdge> rivers,
+                                               std::span<const double> height, double tolerance);
+
+/// How the heights differ.
+struct HeightChange {
+  std::uint64_t moved = 0;                     ///< vertices
+  double total = 0, average = 0, largest = 0;  ///< the average over the vertices that moved
+};
+
+[[nodiscard]] HeightChange height_change(std::span<const double> before, std::span<const double> after,
+                                         double tolerance);
+
+}  // namespace hydrotin

@@ -1,0 +1,119 @@
+#include "embed_input.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "edge_list.h"
+#include "hydrotin/error.h"
+#include "lake_vertices.h"
+
+namespace hydrotin::app {
+namespace {
+
+constexpr std::size_t kMostNamed = 20;
+
+/// Refuses what is no terrain: two vertices at one place, a triangle without area, an edge of three triangles.
+void check_terrain(const std::string& path, const EmbedInput& input) {
+  std::vector<std::uint32_t> order(input.position.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return input.position[a] < input.position[b]; });
+  for (std::size_t i = 1; i < order.size(); ++i)
+    if (input.position[order[i]] == input.position[order[i - 1]])
+      throw Error(ErrorKind::input,
+                  fmt::format("{}: vertices {} and {} have the same x and y (a terrain has one height at a place)",
+                              path, std::min(order[i], order[i - 1]), std::max(order[i], order[i - 1])));
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (std::size_t t = 0; t < input.triangle.size(); t += 3) {
+    const std::array<std::uint32_t, 3> v = {input.triangle[t], input.triangle[t + 1], input.triangle[t + 2]};
+    const auto &a = input.position[v[0]], &b = input.position[v[1]], &c = input.position[v[2]];
+    if ((b[0] - a[0]) * (c[1] - a[1]) == (b[1] - a[1]) * (c[0] - a[0]))
+      throw Error(ErrorKind::input, fmt::format("{}: triangle {} ({}, {}, {}) has no area seen from above (remove it)",
+                                                path, t / 3, v[0], v[1], v[2]));
+    for (std::size_t i = 0; i < 3; ++i) edges.push_back(std::minmax(v[i], v[(i + 1) % 3]));
+  }
+  std::sort(edges.begin(), edges.end());
+  for (std::size_t i = 2; i < edges.size(); ++i)
+    if (edges[i] == edges[i - 2])
+      throw Error(ErrorKind::input,
+                  fmt::format("{}: the edge between vertices {} and {} belongs to more than 2 triangles", path,
+                              edges[i].first, edges[i].second));
+}
+
+void check_rivers(const std::string& tin, const EmbedInput& input) {
+  const NetworkCheck check = check_network(input.terrain(), input.rivers);
+  const auto name = [&](std::size_t i) { return input.name_of(check.edge[i]); };
+  const auto fail = [&](const std::string& what) { throw Error(ErrorKind::input, input.rivers_path + ": " + what); };
+  switch (check.fault) {
+    case NetworkFault::none:
+      return;
+    case NetworkFault::no_vertex:
+      fail(name(0) + " does not join two vertices (write two different indices)");
+      return;
+    case NetworkFault::no_edge:
+      fail(fmt::format("{} is not an edge of {} (rivers run along edges; use --rivers to snap lines to them)", name(0),
+                       tin));
+      return;
+    case NetworkFault::repeated:
+      fail(fmt::format("{} comes twice (rows {} and {} after the header; remove one)", name(0), check.edge[0] + 1,
+                       check.edge[1] + 1));
+      return;
+    case NetworkFault::directed_cycle:
+      break;
+  }
+  std::string way = std::to_string(input.rivers[check.edge[0]].from);
+  for (std::size_t i = 0; i < check.edge.size() && i < kMostNamed; ++i)
+    way += fmt::format(" -> {}", input.rivers[check.edge[i]].to);
+  if (check.edge.size() > kMostNamed) way += " -> ...";
+  fail(fmt::format("the {} river edges {} make a directed cycle: water cannot flow in a circle (turn or remove one)",
+                   check.edge.size(), way));
+}
+
+}  // namespace
+
+double EmbedInput::length(const RiverEdge& edge) const {
+  const auto &a = position[edge.from], &b = position[edge.to];
+  return std::hypot(b[0] - a[0], b[1] - a[1]);
+}
+
+std::uint64_t EmbedInput::num_river_vertices() const {
+  std::vector<std::uint32_t> ends;
+  for (const auto& [from, to] : rivers) ends.insert(ends.end(), {from, to});
+  std::sort(ends.begin(), ends.end());
+  return static_cast<std::uint64_t>(std::unique(ends.begin(), ends.end()) - ends.begin());
+}
+
+std::uint64_t EmbedInput::num_wingtips(const RiverEdge& edge) const {
+  std::uint64_t count = 0;
+  for (const auto& t : mesh.triangle)
+    if (std::count(t.begin(), t.end(), edge.from) + std::count(t.begin(), t.end(), edge.to) == 2) ++count;
+  return count;
+}
+
+std::string EmbedInput::name_of(std::uint32_t edge) const {
+  return fmt::format("the river edge {} -> {}", rivers[edge].from, rivers[edge].to);
+}
+
+EmbedInput read_embed_input(const EmbedArguments& arguments, RiverConstraints& constraints) {
+  EmbedInput input;
+  input.mesh = read_mesh(arguments.tin);
+  for (const auto& vertex : input.mesh.vertex) {
+    input.position.push_back({vertex[0], vertex[1]});
+    input.height.push_back(vertex[2]);
+  }
+  for (const auto& t : input.mesh.triangle) input.triangle.insert(input.triangle.end(), t.begin(), t.end());
+  check_terrain(arguments.tin, input);
+  if (!arguments.rivers.empty())
+    throw Error(ErrorKind::config, "--rivers: lines are not snapped in this version (use --river-edges)");
+  if (!arguments.lakes.empty()) constraints.lakes = read_lakes(arguments.lakes, input.position, input.mesh.crs_wkt);
+  input.rivers_path = arguments.river_edges;
+  for (const auto& [from, to] : read_edges(arguments.river_edges, input.position.size()))
+    input.rivers.push_back({from, to});
+  check_rivers(arguments.tin, input);
+  return input;
+}
+
+}  // namespace hydrotin::app

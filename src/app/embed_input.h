@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "embed_options.h"
+#include "hydrotin/mesh.h"
+#include "hydrotin/river_network.h"
+
+namespace hydrotin::app {
+
+/// A TIN with its river edges, checked.
+struct EmbedInput {
+  Mesh mesh;
+  std::string rivers_path;
+  std::vector<std::array<double, 2>> position;  ///< [n]
+  std::vector<double> height;                   ///< [n]
+  std::vector<std::uint32_t> triangle;          ///< [3T]
+  std::vector<RiverEdge> rivers;
+
+  [[nodiscard]] RiverTerrain terrain() const { return {position, height, triangle}; }
+  [[nodiscard]] double length(const RiverEdge& edge) const;
+  [[nodiscard]] std::uint64_t num_river_vertices() const;
+  [[nodiscard]] std::uint64_t num_wingtips(const RiverEdge& edge) const;
+  [[nodiscard]] std::string name_of(std::uint32_t edge) const;  ///< "the river edge 3 -> 7"
+};
+
+/// Reads the files; lakes become constraints.
+/// Fails: Error(input) for a TIN that is no terrain, edges that it does not have, rivers that flow in circles.
+[[nodiscard]] EmbedInput read_embed_input(const EmbedArguments& arguments, RiverConstraints& constraints);
+
+}  // namespace hydrotin::app

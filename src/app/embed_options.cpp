@@ -1,0 +1,143 @@
+#include "embed_options.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include "hydrotin/error.h"
+
+namespace hydrotin::app {
+namespace {
+
+[[noreturn]] void refuse(const std::string& option, const std::string& text, const std::string& wanted) {
+  throw Error(ErrorKind::config, fmt::format("{}: '{}' is not possible ({})", option, text, wanted));
+}
+
+struct Measure {
+  double value = 0;
+  std::string_view unit;
+};
+
+Measure parse_measure(const std::string& option, const std::string& text, const std::string& wanted) {
+  Measure measure;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), measure.value);
+  if (error != std::errc{} || !std::isfinite(measure.value) || measure.value < 0) refuse(option, text, wanted);
+  measure.unit = std::string_view(stop, static_cast<std::size_t>(text.data() + text.size() - stop));
+  return measure;
+}
+
+void set_decline(const std::string& text, RiverConstraints& constraints) {
+  const std::string wanted = "write 10%, 1deg or rise over run, not negative";
+  const auto [value, unit] = parse_measure("--decline", text, wanted);
+  constraints.decline_measure = DeclineMeasure::slope;
+  if (unit == "%") {
+    constraints.decline_measure = DeclineMeasure::fraction;
+    constraints.decline = value / 100;
+  } else if (unit == "deg") {
+    if (value >= 90) refuse("--decline", text, "less than 90deg");
+    constraints.decline = std::tan(value * std::acos(-1.0) / 180);
+  } else if (unit.empty()) {
+    constraints.decline = value;
+  } else {
+    refuse("--decline", text, wanted);
+  }
+}
+
+double parse_slope_limit(const std::string& text) {
+  const std::string wanted = "write 50% of the old slope, or 0.5";
+  const auto [value, unit] = parse_measure("--slope-limit", text, wanted);
+  if (unit == "%") return value / 100;
+  if (!unit.empty()) refuse("--slope-limit", text, wanted);
+  return value;
+}
+
+void set_contiguity(const std::string& text, RiverConstraints& constraints) {
+  if (text.empty()) return;
+  constraints.contiguity = Contiguity::exact;
+  if (text == "exact") return;
+  constraints.contiguity = Contiguity::imaginary_points;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), constraints.imaginary_points);
+  if (error != std::errc{} || stop != text.data() + text.size() || constraints.imaginary_points > 1000)
+    refuse("--contiguous", text, "write a number of imaginary points from 0 to 1000, or exact");
+}
+
+void check_method(const EmbedArguments& arguments, const RiverConstraints& constraints) {
+  if (arguments.method == "lp") return;
+  if (arguments.method != "dp") refuse("--method", arguments.method, "allowed: lp, dp");
+  const auto clash = [](const std::string& option) {
+    throw Error(ErrorKind::config, option +
+                                       ": --method dp moves river vertices for flow, valley, decline and side "
+                                       "slope only (use --method lp)");
+  };
+  if (constraints.contiguity != Contiguity::none) clash("--contiguous");
+  if (!arguments.lakes.empty()) clash("--lakes");
+  if (arguments.max_change > 0) clash("--max-change");
+  if (arguments.quantum > 0) clash("--quantum");
+  if (arguments.no_flow) clash("--no-flow");
+  if (arguments.no_valley) clash("--no-valley");
+}
+
+}  // namespace
+
+EmbeddingOptions embedding_options(const EmbedArguments& arguments) {
+  if (arguments.river_edges.empty() == arguments.rivers.empty())
+    throw Error(ErrorKind::config, "embed: say where the rivers are: either --river-edges EDGES or --rivers LINES");
+  EmbeddingOptions options;
+  RiverConstraints& constraints = options.constraints;
+  if (arguments.variant != "VF" && arguments.variant != "VFR" && arguments.variant != "VFRS")
+    refuse("--variant", arguments.variant, "allowed: VF, VFR, VFRS");
+  set_decline(arguments.decline, constraints);
+  if (arguments.variant == "VF") constraints.decline_measure = DeclineMeasure::none;
+  constraints.limit_edge_slope = arguments.variant == "VFRS";
+  constraints.edge_slope_change = parse_slope_limit(arguments.slope_limit);
+  set_contiguity(arguments.contiguous, constraints);
+  const auto check = [](const char* option, double value) {
+    if (!std::isfinite(value) || value < 0) refuse(option, fmt::format("{}", value), "a number, not negative");
+  };
+  check("--side-slope", arguments.side_slope);
+  check("--max-change", arguments.max_change);
+  check("--quantum", arguments.quantum);
+  check("--time-limit", arguments.time_limit);
+  constraints.flow = !arguments.no_flow;
+  constraints.valley = !arguments.no_valley;
+  constraints.side_slope = arguments.side_slope;
+  constraints.river_only = arguments.river_only;
+  constraints.max_change = arguments.max_change;
+  options.quantum = arguments.quantum;
+  check_method(arguments, constraints);
+  return options;
+}
+
+void add_embed_options(CLI::App& command, EmbedArguments& arguments) {
+  command.add_option("tin", arguments.tin, "PLY or OBJ")->required()->type_name("TIN");
+  command.add_option("--river-edges", arguments.river_edges, "CSV: a header, then from, to: downstream")
+      ->type_name("EDGES");
+  command.add_option("--rivers", arguments.rivers, "river lines in any vector format, drawn downstream")
+      ->type_name("LINES.gpkg");
+  command.add_option("--variant", arguments.variant, "VF, VFR (decline) or VFRS (and limited change of slopes)")
+      ->capture_default_str();
+  command.add_option("--decline", arguments.decline, "least: 10% of the river's average slope, 1deg, or rise over run")
+      ->capture_default_str();
+  command.add_option("--side-slope", arguments.side_slope, "least slope of the sides towards the river, rise over run");
+  command.add_option("--slope-limit", arguments.slope_limit, "how much the slope of an edge may change")
+      ->capture_default_str();
+  command.add_option("--contiguous", arguments.contiguous, "no leaks: by N imaginary points a triangle, or exact")
+      ->type_name("N|exact");
+  command.add_flag("--no-flow", arguments.no_flow, "directions of flow need not hold");
+  command.add_flag("--no-valley", arguments.no_valley, "river edges need not be valleys");
+  command.add_flag("--river-only", arguments.river_only, "only river vertices may move");
+  command.add_option("--lakes", arguments.lakes, "polygons that become level")->type_name("FILE");
+  command.add_option("--max-change", arguments.max_change, "of each vertex")->type_name("M");
+  command.add_option("--quantum", arguments.quantum, "heights that move become multiples of it")->type_name("M");
+  command.add_option("--time-limit", arguments.time_limit, "end with what there is, and the bound")->type_name("S");
+  command.add_option("--method", arguments.method, "lp, or dp: river vertices only, exact and strongly polynomial")
+      ->capture_default_str();
+  command.add_option("--out", arguments.out, "write the TIN with its rivers")->type_name("TIN.ply");
+  command.add_flag("--json", arguments.json, "print JSON");
+}
+
+}  // namespace hydrotin::app

@@ -29,39 +29,38 @@ struct Terrain {
   std::vector<RiverEdge> rivers;
 };
 
-// One vertex of the river per column (or a step in the column), in a winding valley; noise as measured terrain has.
+// A river along the grid, one step to the east at a time and now and then one across; mountains rise from it, rougher
+// the farther away, with noise as measured terrain has.
 Terrain make_terrain(std::uint32_t side) {
   Terrain terrain;
   std::mt19937 random(42);
   std::uniform_real_distribution<double> jitter(-20, 20), noise(-1.5, 1.5);
   const auto middle = [&](double x) { return 0.5 * side + 0.1 * side * std::sin(x / side * 9); };
+  const auto at = [&](std::uint32_t x, std::uint32_t y) { return y * side + x; };
+  std::vector<std::uint32_t> bed(side);  // the river's row in each column
+  bed[0] = static_cast<std::uint32_t>(middle(0));
+  for (std::uint32_t x = 0; x + 1 < side; ++x) {
+    std::uint32_t y = bed[x];
+    const double want = middle(x + 1);
+    bed[x + 1] = want > y + 1 ? y + 1 : y;  // a diagonal is an edge upwards only
+    if (want + 1 < y && x % 3 == 0) {
+      terrain.rivers.push_back({at(x, y), at(x, y - 1)});
+      bed[x + 1] = --y;
+    }
+    terrain.rivers.push_back({at(x, y), at(x + 1, bed[x + 1])});
+  }
   for (std::uint32_t y = 0; y < side; ++y)
     for (std::uint32_t x = 0; x < side; ++x) {
       terrain.position.push_back({430000 + 75.0 * x + jitter(random), 5810000 + 75.0 * y + jitter(random)});
-      const double away = std::abs(y - middle(x));
-      terrain.height.push_back(600 - 500.0 * x / side + 3000 * away / side +
+      const double away = std::abs(static_cast<double>(y) - bed[x]);
+      terrain.height.push_back(600 - 1200.0 * x / side + 3000 * away / side +
                                30 * std::min(1.0, away / 8) * std::sin(x * 0.3) * std::sin(y * 0.23) + noise(random));
     }
-  const auto at = [&](std::uint32_t x, std::uint32_t y) { return y * side + x; };
   for (std::uint32_t y = 0; y + 1 < side; ++y)
     for (std::uint32_t x = 0; x + 1 < side; ++x) {
       const std::uint32_t a = at(x, y), b = at(x + 1, y), c = at(x + 1, y + 1), d = at(x, y + 1);
       for (const std::uint32_t v : {a, b, c, a, c, d}) terrain.triangle.push_back(v);
     }
-  // Steps alternate in x and y and never cut a corner of one triangle: after a step up or down two steps along.
-  std::uint32_t y = static_cast<std::uint32_t>(middle(0));
-  for (std::uint32_t x = 0; x + 1 < side; ++x) {
-    const double want = middle(x + 1);
-    const std::uint32_t next = want > y + 1 ? y + 1 : y;  // a diagonal is an edge upwards only
-    if (want + 1 < y && x % 3 == 0) {
-      terrain.rivers.push_back({at(x, y), at(x, y - 1)});
-      --y;
-      terrain.rivers.push_back({at(x, y), at(x + 1, y)});
-      continue;
-    }
-    terrain.rivers.push_back({at(x, y), at(x + 1, next)});
-    y = next;
-  }
   return terrain;
 }
 

@@ -58,7 +58,7 @@ Embedding burn(const EmbedArguments& arguments, const EmbedInput& input, const R
   embedding.objective = embedding.bound = burning.objective;
   embedding.optimal = true;
   embedding.rounds = 1;
-  for (const RiverEdge& river : input.rivers) embedding.rows += 1 + input.num_wingtips(river);
+  embedding.rows = input.rivers.size() + input.num_wingtips();
   embedding.columns = input.num_river_vertices();
   return embedding;
 }

@@ -86,10 +86,16 @@ std::uint64_t EmbedInput::num_river_vertices() const {
   return static_cast<std::uint64_t>(std::unique(ends.begin(), ends.end()) - ends.begin());
 }
 
-std::uint64_t EmbedInput::num_wingtips(const RiverEdge& edge) const {
+std::uint64_t EmbedInput::num_wingtips() const {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (const auto& [from, to] : rivers) edges.push_back(std::minmax(from, to));
+  std::sort(edges.begin(), edges.end());
   std::uint64_t count = 0;
   for (const auto& t : mesh.triangle)
-    if (std::count(t.begin(), t.end(), edge.from) + std::count(t.begin(), t.end(), edge.to) == 2) ++count;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::pair<std::uint32_t, std::uint32_t> edge = std::minmax(t[i], t[(i + 1) % 3]);
+      count += std::binary_search(edges.begin(), edges.end(), edge) ? 1 : 0;
+    }
   return count;
 }
 

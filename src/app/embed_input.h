@@ -23,7 +23,7 @@ struct EmbedInput {
   [[nodiscard]] RiverTerrain terrain() const { return {position, height, triangle}; }
   [[nodiscard]] double length(const RiverEdge& edge) const;
   [[nodiscard]] std::uint64_t num_river_vertices() const;
-  [[nodiscard]] std::uint64_t num_wingtips(const RiverEdge& edge) const;
+  [[nodiscard]] std::uint64_t num_wingtips() const;             ///< of all river edges together
   [[nodiscard]] std::string name_of(std::uint32_t edge) const;  ///< "the river edge 3 -> 7"
 };
 

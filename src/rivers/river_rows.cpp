@@ -331,6 +331,9 @@ void RowCatalog::visit(std::uint32_t v, std::span<const double> d, const Sink& s
 void RowCatalog::visit_all(std::span<const double> d, const Sink& sink) const {
   for (const Row& row : listed_) sink(row);
   for (std::uint32_t t = 0; t < terrain_.num_triangles(); ++t) {
+    // Limits of slopes allow that nothing moves: where nothing did they hold.
+    const std::uint32_t* v = terrain_.triangle.data() + 3 * std::size_t{t};
+    if (d[v[0]] == 0 && d[v[1]] == 0 && d[v[2]] == 0) continue;
     if (constraints_.limit_edge_slope)
       for (std::uint32_t i = 0; i < 3; ++i)
         visit_edge(terrain_.triangle[3 * t + i], terrain_.triangle[3 * t + (i + 1) % 3], sink);

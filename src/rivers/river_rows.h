@@ -46,7 +46,7 @@ class RowCatalog {
   [[nodiscard]] std::span<const Row> listed() const { return listed_; }
   /// Rows that contain v; some may come several times.
   void visit(std::uint32_t v, std::span<const double> d, const Sink& sink) const;
-  /// Every row of the program.
+  /// Every row of the program, save limits of slopes where nothing moved, which hold there.
   void visit_all(std::span<const double> d, const Sink& sink) const;
   [[nodiscard]] bool is_river(std::uint32_t v) const { return is_river_[v] != 0; }
   [[nodiscard]] const std::vector<std::uint32_t>& clamped_networks() const { return clamped_; }

@@ -118,8 +118,8 @@ TEST(Config, Errors_NameLineAndColumn) {
             "c.yaml:2:24: triangulation.order: a list is not possible (allowed: an integer from 0 to 6)");
   const std::string allowed =
       "delaunay, min-weight, local-minima, min-max-edge, max-min-angle, min-max-angle, min-max-circumradius, "
-      "min-max-enclosing-circle, min-max-area, max-min-area, max-sum-inradius, min-sum-inradius, min-max-order; or a "
-      "list of them by priority";
+      "min-max-enclosing-circle, min-max-area, max-min-area, max-sum-inradius, min-sum-inradius, min-squared-error, "
+      "min-absolute-error, min-max-error, min-max-order; or a list of them by priority";
   EXPECT_EQ(config_error(kMinimal + "triangulation: {objective: best}\n"),
             "c.yaml:2:28: triangulation.objective: 'best' is not possible (allowed: " + allowed + ")");
   EXPECT_EQ(config_error(kMinimal + "triangulation: {objective: [min-weight, 3]}\n"),
@@ -139,9 +139,16 @@ TEST(Config, Errors_NameLineAndColumn) {
   for (const std::string error : {"min-squared-error", "min-absolute-error", "min-max-error"})
     EXPECT_EQ(config_error(kMinimal + "triangulation: {objective: [local-minima, " + error + "]}\n"),
               "c.yaml:2:28: triangulation.objective: '" + error +
-                  "' needs reference points, which a run does not take; use hydrotin triangulate --reference");
+                  "' needs reference points; give their files as triangulation.reference");
+  EXPECT_EQ(config_error(kMinimal + "triangulation: {max_error_m: 0.2}\n"),
+            "c.yaml:2:30: triangulation.max_error_m: errors are those of reference points (give "
+            "triangulation.reference)");
+  EXPECT_EQ(config_error(kMinimal + "triangulation: {reference: r.las, max_error_m: -1}\n"),
+            "c.yaml:2:48: triangulation.max_error_m: '-1' is not possible (allowed: a height in metres from 0 to "
+            "1000000)");
   EXPECT_EQ(config_error(kMinimal + "triangulation: 3\n"),
-            "c.yaml:2:16: triangulation: '3' is not possible (allowed: a section with order, objective)");
+            "c.yaml:2:16: triangulation: '3' is not possible (allowed: a section with order, objective, reference, "
+            "max_error_m)");
   EXPECT_EQ(config_error(kMinimal + "output: {dem: {cell_m: -1}}\n"),
             "c.yaml:2:24: output.dem.cell_m: '-1' is not possible (allowed: a length in metres from 0.001 to 1000000)");
   EXPECT_EQ(config_error(kMinimal + "output: {dem: {cell_m: nan}}\n").rfind("c.yaml:2:24: ", 0), 0U);
@@ -194,6 +201,14 @@ TEST(Config, Set_OverridesAndIsNamedInErrors) {
   EXPECT_EQ(
       options_of(folder, kMinimal, {"triangulation.objective=[local-minima, min-weight]"}).triangulation.objectives,
       (Objectives{Objective::local_minima, Objective::min_weight}));
+  const TriangulationOptions limited =
+      options_of(folder, kMinimal +
+                             "triangulation: {objective: [local-minima, min-squared-error], reference: "
+                             "[a.las, /data/b*.laz], max_error_m: 0.2}\n")
+          .triangulation;
+  EXPECT_EQ(limited.objectives, (Objectives{Objective::local_minima, Objective::min_squared_error}));
+  EXPECT_EQ(limited.reference, (std::vector<std::string>{(folder / "a.las").string(), "/data/b*.laz"}));
+  EXPECT_EQ(limited.max_error_m, 0.2);
   EXPECT_EQ(options_of(folder, kMinimal + "triangulation:\n  objective:\n    - max-min-angle\n    - local-minima\n")
                 .triangulation.objectives,
             (Objectives{Objective::max_min_angle, Objective::local_minima}));
@@ -201,7 +216,8 @@ TEST(Config, Set_OverridesAndIsNamedInErrors) {
   EXPECT_EQ(config_error(kMinimal, {"triangulation.order=9"}),
             "--set triangulation.order: triangulation.order: '9' is not possible (allowed: an integer from 0 to 6)");
   EXPECT_EQ(config_error(kMinimal, {"triangulation.ordr=1"}),
-            "--set triangulation.ordr: unknown key 'ordr' in triangulation (allowed: order, objective)");
+            "--set triangulation.ordr: unknown key 'ordr' in triangulation (allowed: order, objective, reference, "
+            "max_error_m)");
   EXPECT_EQ(
       config_error(kMinimal, {"triangulation={order: 9}"}).rfind("--set triangulation: triangulation.order: '9'", 0),
       0U);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,9 +37,16 @@ inline std::vector<std::pair<LatticePoint, std::int32_t>> lowest_points(const st
   return points;
 }
 
-/// @param base  lattice point that the data set's lattice has as origin
+struct Cloud {
+  std::vector<LatticePoint> position;
+  std::vector<std::int32_t> height;
+};
+
+/// @param base       lattice point that the data set's lattice has as origin
+/// @param reference  points that are no vertices  @param limit  on their errors
 inline Monolith run_monolith(const std::vector<LatticePoint>& position, const std::vector<std::int32_t>& height, int k,
-                             const Objectives& objectives, bool hull_outlets, LatticePoint base, std::int32_t base_z) {
+                             const Objectives& objectives, bool hull_outlets, LatticePoint base, std::int32_t base_z,
+                             Cloud reference = {}, std::optional<ErrorLimit> limit = std::nullopt) {
   auto points = lowest_points(position, height);
   std::sort(points.begin(), points.end(),
             [](const auto& a, const auto& b) { return hilbert_key(a.first) < hilbert_key(b.first); });
@@ -51,7 +59,11 @@ inline Monolith run_monolith(const std::vector<LatticePoint>& position, const st
   Monolith out;
   out.vertices = p.size();
   out.duplicates = position.size() - p.size();
-  const auto triangulation = triangulate(p, z, PointSetOptions{.order = k, .polygon = {.objectives = objectives}});
+  for (LatticePoint& at : reference.position) at = {at.x - base.x, at.y - base.y};
+  for (std::int32_t& h : reference.height) h -= base_z;
+  const auto triangulation =
+      triangulate(p, z, PointSetOptions{.order = k, .polygon = {.objectives = objectives, .max_error = limit}},
+                  {reference.position, reference.height});
   out.triangles = triangulation.triangles.size();
   std::vector<std::uint32_t> corners;
   for (const auto& t : triangulation.triangles) corners.insert(corners.end(), t.begin(), t.end());
@@ -73,11 +85,6 @@ inline Monolith run_monolith(const std::vector<LatticePoint>& position, const st
   out.figures.triangles.clear();
   return out;
 }
-
-struct Cloud {
-  std::vector<LatticePoint> position;
-  std::vector<std::int32_t> height;
-};
 
 /// Points of the wanted class that are not withheld; file integers, for files of one scale and offset.
 inline Cloud read_cloud(const std::vector<std::string>& paths, std::uint8_t wanted) {

@@ -11,10 +11,12 @@
 #include "hydrotin/subdivision.h"
 #include "hydrotin/useful_edges.h"
 #include "mend.h"
+#include "monolith.h"
 #include "part.h"
 #include "part_value.h"
 #include "plan.h"
 #include "polygon_figures.h"
+#include "report.h"
 #include "tiling_fixture.h"
 #include "tiling_parts.h"
 
@@ -363,6 +365,137 @@ TEST(TiledReport, SaysTheSameForEveryTiling) {
   }
 }
 
+/// Vertices, and points between them, at them, on their edges and beyond their hull.
+struct ReferenceSurvey {
+  testing::Cloud vertices, reference;
+  std::vector<std::string> files, reference_files;
+};
+
+ReferenceSurvey reference_survey(const TemporaryFolder& folder, CloudKind kind, std::uint64_t seed) {
+  ReferenceSurvey out;
+  testing::Random random(seed);
+  // Narrow, so that many points lie on edges and at vertices.
+  for (const LatticePoint p : testing::make_cloud(kind, seed, 9'000, 8)) {
+    const LatticePoint moved{p.x + 200, p.y + 200};
+    const std::int32_t height = testing::relief_at(seed, p, 200, 400, 12);
+    auto& to = random.below(3) == 0 ? out.vertices : out.reference;
+    to.position.push_back(moved);
+    to.height.push_back(height);
+  }
+  for (int i = 0; i < 150; ++i) {  // some of them outside, some at places of others
+    const std::size_t some = random.below(out.vertices.position.size());
+    out.reference.position.push_back(random.below(2) == 0
+                                         ? LatticePoint{random.between(0, 1'200), random.between(0, 1'200)}
+                                         : out.vertices.position[some]);
+    out.reference.height.push_back(out.vertices.height[some] + random.between(-30, 30));
+  }
+  out.files = testing::write_files(folder, out.vertices.position, out.vertices.height, 2);
+  out.reference_files = testing::write_files(folder, out.reference.position, out.reference.height, 3, "removed_");
+  return out;
+}
+
+// Errors of reference points and the limit on them are those of `triangulate`, for every tiling.
+TEST(TiledReference, EqualsTriangulate) {
+  struct Case {
+    Objectives objectives;
+    std::optional<double> limit_m;
+    int k;
+    CloudKind kind;
+  };
+  const Case cases[] = {{{Objective::local_minima, Objective::min_squared_error}, 0.4, 3, CloudKind::voided},
+                        {{Objective::min_squared_error}, std::nullopt, 2, CloudKind::clustered},
+                        {{Objective::min_absolute_error, Objective::local_minima}, 0.25, 4, CloudKind::uniform},
+                        {{Objective::min_max_error}, std::nullopt, 3, CloudKind::scanlines},
+                        {{Objective::min_max_error, Objective::min_squared_error}, 0.3, 2, CloudKind::lattice},
+                        {{Objective::local_minima}, 0.2, 4, CloudKind::uniform},
+                        {{Objective::delaunay}, std::nullopt, 2, CloudKind::voided},
+                        {{Objective::max_min_angle}, 0.5, 3, CloudKind::l_shaped}};
+  std::uint64_t seed = 40;
+  std::uint64_t missed = 0, hopeless = 0;
+  for (const Case& c : cases) {
+    SCOPED_TRACE(::testing::Message() << name(c.objectives) << " k " << c.k << " " << testing::name_of(c.kind));
+    const TemporaryFolder folder;
+    const ReferenceSurvey survey = reference_survey(folder, c.kind, ++seed);
+    std::optional<testing::Monolith> expected;
+    nlohmann::json totals;
+    for (const std::uint64_t target : {1'000'000, 1'000}) {
+      PipelineOptions options = testing::options_for(survey.files, folder / "out");
+      options.triangulation.order = c.k;
+      options.triangulation.objectives = c.objectives;
+      options.triangulation.reference = survey.reference_files;
+      options.triangulation.max_error_m = c.limit_m;
+      options.tiles.target_points = target;
+      const Lattice lattice = make_plan(options).lattice;
+      std::optional<ErrorLimit> limit;
+      if (c.limit_m) limit = ErrorLimit{std::llround(*c.limit_m / lattice.scale_z * 1e6)};
+      if (!expected)
+        expected = testing::run_monolith(
+            survey.vertices.position, survey.vertices.height, c.k, c.objectives, true,
+            {static_cast<std::int32_t>(lattice.base_x), static_cast<std::int32_t>(lattice.base_y)},
+            static_cast<std::int32_t>(lattice.base_z), survey.reference, limit);
+      const PointSetTriangulation& whole = expected->figures;
+      nlohmann::json got = report_of(options);
+      EXPECT_EQ(read_report(options.output.dir + "/report.json").fingerprint, expected->fingerprint);
+      const nlohmann::json tiles = got.at("per_tile");
+      EXPECT_EQ(tiles.size() > 4, target == 1'000);
+      got.erase("per_tile");
+      if (totals.is_null()) totals = got;
+      EXPECT_EQ(got, totals) << "to the last bit";
+      const nlohmann::json& reference = got.at("reference");
+      const std::uint64_t points = survey.reference.position.size();
+      EXPECT_EQ(reference.at("points"), points);
+      EXPECT_EQ(reference.at("outside"), whole.reference_outside);
+      EXPECT_EQ(reference.at("at_vertices"), whole.reference_at_vertices);
+      EXPECT_EQ(reference.at("limit_missed"), whole.limit_missed);
+      EXPECT_EQ(reference.at("vertices_beyond_limit"), whole.vertices_beyond_limit);
+      EXPECT_GT(whole.reference_outside, 0U);
+      EXPECT_GT(whole.reference_at_vertices, 50U);
+      EXPECT_NEAR(reference.at("max_error"), whole.error.largest * lattice.scale_z, 1e-9);
+      const double rms = std::sqrt(whole.error.squared / static_cast<double>(points - whole.reference_outside));
+      EXPECT_NEAR(reference.at("rms"), rms * lattice.scale_z, 1e-9 * rms);
+      EXPECT_EQ(got.at("optimal"), whole.optimal);
+      EXPECT_EQ(got.at("max_order"), whole.max_order);
+      for (std::size_t i = 0; i < c.objectives.size() && c.objectives[0] != Objective::delaunay; ++i) {
+        const double unit = unit_of(c.objectives[i], lattice);
+        EXPECT_NEAR(got.at("values").at(std::string(name(c.objectives[i]))), whole.values[i] * unit,
+                    1e-9 * std::abs(whole.values[i] * unit));
+      }
+      if (c.objectives[0] != Objective::delaunay) {
+        const double bound = whole.bound * unit_of(c.objectives[0], lattice);
+        EXPECT_NEAR(got.at("bound"), bound, 1e-9 * std::abs(bound));
+      }
+      for (const char* key : {"points", "outside", "at_vertices", "limit_missed", "vertices_beyond_limit"}) {
+        std::uint64_t sum = 0;
+        for (const auto& tile : tiles) sum += tile.at("reference").at(key).get<std::uint64_t>();
+        EXPECT_EQ(reference.at(key), sum) << key;
+      }
+      missed += whole.limit_missed;
+      if (c.limit_m && c.objectives[0] == Objective::local_minima) hopeless += got.at("bound").get<std::uint64_t>();
+      std::filesystem::remove_all(folder / "out");
+    }
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(missed, 0U);
+  EXPECT_GT(hopeless, 0U);
+}
+
+TEST(TiledReference, ALimitNeedsReferencePoints) {
+  PipelineOptions options = testing::options_for({"none.las"}, "nowhere");
+  options.triangulation.max_error_m = 0.1;
+  EXPECT_THROW((void)plan_run(options), Error);
+  const TemporaryFolder folder;
+  const ReferenceSurvey survey = reference_survey(folder, CloudKind::uniform, 1);
+  options = testing::options_for(survey.files, folder / "out");
+  options.triangulation.reference = {folder / "nothing*.las"};
+  try {
+    (void)plan_run(options);
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::input);
+    EXPECT_EQ(std::string(error.what()).find("triangulation.reference: nothing matches"), 0U) << error.what();
+  }
+}
+
 TEST(ExactSums, DoNotDependOnGrouping) {
   testing::Random random(1);
   ExactSum all, left, right;
@@ -384,16 +517,22 @@ TEST(ExactSums, DoNotDependOnGrouping) {
 }
 
 TEST(ObjectionToRun, NamesWhatIsForPointSetsInMemory) {
-  EXPECT_FALSE(objection_to_run({Objective::local_minima, Objective::min_weight}));
-  EXPECT_TRUE(objection_to_run({}));
-  EXPECT_TRUE(objection_to_run({Objective::local_minima, Objective::local_minima}));
+  const auto is_possible = [](const Objectives& objectives, const std::vector<std::string>& reference = {}) {
+    TriangulationOptions options;
+    options.objectives = objectives;
+    options.reference = reference;
+    return !objection_to_run(options);
+  };
+  EXPECT_TRUE(is_possible({Objective::local_minima, Objective::min_weight}));
+  EXPECT_FALSE(is_possible({}));
+  EXPECT_FALSE(is_possible({Objective::local_minima, Objective::local_minima}));
   for (std::size_t i = 0; i < kObjectiveNames.size(); ++i) {
     const auto objective = static_cast<Objective>(i);
     const ObjectiveKind kind = kind_of(objective);
-    const bool possible =
-        !needs_reference(objective) && (kind == ObjectiveKind::none || kind == ObjectiveKind::sum ||
-                                        kind == ObjectiveKind::minima || kind == ObjectiveKind::bottleneck);
-    EXPECT_EQ(!objection_to_run({objective}), possible) << name(objective);
+    const bool apart = kind == ObjectiveKind::none || kind == ObjectiveKind::sum || kind == ObjectiveKind::minima ||
+                       kind == ObjectiveKind::bottleneck;
+    EXPECT_EQ(is_possible({objective}, {"r.las"}), apart) << name(objective);
+    EXPECT_EQ(is_possible({objective}), apart && !needs_reference(objective)) << name(objective);
   }
   PipelineOptions options = testing::options_for({"none.las"}, "nowhere");
   options.triangulation.objectives = {Objective::min_max_degree};

@@ -173,7 +173,7 @@ inline CutTerrain cut_terrain(const WholeTerrain& whole, const PipelineOptions& 
     write_triangle_file(cut, whole, t, Phase::triangulate, share[t][0]);
     write_triangle_file(cut, whole, t, Phase::seam, share[t][1]);
   }
-  write_mendings(cut.context, std::vector<Mending>(plan.num_tiles()));
+  write_mendings(cut.context, std::vector<Mending>(plan.num_tiles()), std::vector<std::uint64_t>(plan.num_tiles()));
   return cut;
 }
 

@@ -15,11 +15,13 @@ struct RawPoints {
   std::vector<std::int32_t> x, y, z;
 };
 
-RawPoints gather(const RunContext& context, std::uint32_t tile) {
+// Of the files of vertices, or of reference points.
+RawPoints gather(const RunContext& context, std::uint32_t tile, bool is_reference) {
   RawPoints out;
   const Plan& plan = context.plan;
   for (const std::uint32_t f :
        context.ingest_index->files_of(tile, context.layout, plan.files.size(), plan.num_tiles())) {
+    if (plan.files[f].is_reference != is_reference) continue;
     const store::Reader in(context.layout.unit(Phase::ingest, f));
     const auto run_tile = in.read<std::uint32_t>("run_tile");
     const auto [first, last] = std::equal_range(run_tile.begin(), run_tile.end(), tile);
@@ -82,13 +84,43 @@ CanonicalPoints canonical(const RawPoints& raw) {
   return out;
 }
 
-}  // namespace
+// Curve order, points of one place by height.
+CanonicalPoints in_curve_order(const RawPoints& raw) {
+  std::vector<std::uint64_t> key(raw.x.size());
+  std::vector<std::uint32_t> order(raw.x.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) {
+    key[i] = hilbert_key({raw.x[i], raw.y[i]});
+    order[i] = i;
+  }
+  std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
+    return std::pair{key[i], raw.z[i]} < std::pair{key[j], raw.z[j]};
+  });
+  CanonicalPoints out;
+  for (const std::uint32_t i : order) {
+    out.position.push_back({raw.x[i], raw.y[i]});
+    out.height.push_back(raw.z[i]);
+  }
+  return out;
+}
 
-void arrange_tile(const RunContext& context, std::uint32_t tile) {
-  const RawPoints raw = gather(context, tile);
+void require_indices(const RawPoints& raw, std::uint32_t tile) {
   if (raw.x.size() >= std::numeric_limits<std::uint32_t>::max() / 8)
     throw Error(ErrorKind::resource, "tile " + std::to_string(tile) + " holds " + std::to_string(raw.x.size()) +
                                          " points, more than a tile can; lower tiles.target_points");
+}
+
+void write_reference(const RunContext& context, std::uint32_t tile, store::Writer& out) {
+  const RawPoints raw = gather(context, tile, true);
+  require_indices(raw, tile);
+  const CanonicalPoints points = in_curve_order(raw);
+  write_points(out, points.position, points.height, kReference);
+}
+
+}  // namespace
+
+void arrange_tile(const RunContext& context, std::uint32_t tile) {
+  const RawPoints raw = gather(context, tile, false);
+  require_indices(raw, tile);
   const CanonicalPoints points = canonical(raw);
   store::Writer out(context.layout.unit(Phase::arrange, tile));
   out.set("recipe", context.recipe(Phase::arrange));
@@ -98,6 +130,7 @@ void arrange_tile(const RunContext& context, std::uint32_t tile) {
   out.append("hull", hull, "indices of the tile's convex hull");
   if (!points.position.empty())
     out.set("lowest", static_cast<std::int64_t>(lowest_vertex(points.height, points.position)));
+  if (context.plan.has_reference()) write_reference(context, tile, out);
   out.commit();
 }
 

@@ -15,17 +15,23 @@ namespace hydrotin {
 
 inline constexpr std::uint32_t kBlockPoints = 512;
 
+/// What the names of the arrays of reference points begin with.
+inline constexpr const char* kReference = "reference_";
+
 /// Arrays x, y, z and block_box (min x, min y, max x, max y per block).
-void write_points(store::Writer& out, std::span<const LatticePoint> position, std::span<const std::int32_t> height);
+/// @param prefix  of the names of the arrays
+void write_points(store::Writer& out, std::span<const LatticePoint> position, std::span<const std::int32_t> height,
+                  const std::string& prefix = {});
 
 struct TilePoints {
   std::vector<LatticePoint> position;
   std::vector<std::int32_t> height;
 };
 
-[[nodiscard]] TilePoints read_points(const store::Reader& in, std::uint64_t first, std::uint64_t count);
+[[nodiscard]] TilePoints read_points(const store::Reader& in, std::uint64_t first, std::uint64_t count,
+                                     const std::string& prefix = {});
 
-[[nodiscard]] std::vector<LatticeBox> read_block_boxes(const store::Reader& in);
+[[nodiscard]] std::vector<LatticeBox> read_block_boxes(const store::Reader& in, const std::string& prefix = {});
 
 /// Interleaved boxes as they are stored.
 [[nodiscard]] std::vector<std::int32_t> flatten(std::span<const LatticeBox> boxes);

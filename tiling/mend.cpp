@@ -16,12 +16,12 @@ using Corners = std::array<std::uint32_t, 3>;
   throw Error(ErrorKind::storage, path + ": its arrays contradict each other; delete the file and run again");
 }
 
-// Points that their polygons left without a lower neighbour, ascending.
-std::vector<std::uint64_t> unserved_points(const RunContext& context) {
+// Points that any unit lists under a name, ascending.
+std::vector<std::uint64_t> listed_points(const RunContext& context, const char* name) {
   std::vector<std::vector<std::uint64_t>> found(2 * std::size_t{context.plan.num_tiles()});
   for_all(context, found.size(), [&](std::uint64_t i) {
     const Phase phase = i % 2 == 0 ? Phase::triangulate : Phase::seam;
-    found[i] = store::Reader(context.layout.unit(phase, i / 2)).read<std::uint64_t>("unserved");
+    found[i] = store::Reader(context.layout.unit(phase, i / 2)).read<std::uint64_t>(name);
   });
   std::vector<std::uint64_t> out;
   for (const auto& some : found) out.insert(out.end(), some.begin(), some.end());
@@ -44,7 +44,7 @@ std::vector<Corners> canonical(std::vector<Corners> triangles) {
 class Mender {
  public:
   Mender(const RunContext& context, std::uint32_t tile, const std::vector<std::uint64_t>& unserved)
-      : context_(context), tile_(tile), unserved_(unserved), solver_(polygon_options(context.options)) {}
+      : context_(context), tile_(tile), unserved_(unserved), solver_(polygon_options(context)) {}
 
   [[nodiscard]] Mending mend() {
     const store::Reader in(context_.layout.unit(Phase::seam, tile_));
@@ -116,9 +116,22 @@ std::array<std::uint64_t, 2> slice(const store::Reader& in, const std::string& b
   return {ends[0], ends[1] - ends[0]};
 }
 
+// Under a limit on errors, vertices of each tile that no polygon has an admissible edge down for.
+std::vector<std::uint64_t> hopeless_points(const RunContext& context) {
+  std::vector<std::uint64_t> out(context.plan.num_tiles());
+  if (!context.options.triangulation.max_error_m) return out;
+  const std::vector<std::uint64_t> servable = listed_points(context, "servable");
+  for_all(context, out.size(), [&](std::uint64_t t) {
+    const store::Reader in(context.layout.unit(Phase::triangulate, t));
+    for (const std::uint64_t point : in.read<std::uint64_t>("doubtful")) out[t] += !contains(servable, point);
+  });
+  return out;
+}
+
 }  // namespace
 
-void write_mendings(const RunContext& context, const std::vector<Mending>& tiles) {
+void write_mendings(const RunContext& context, const std::vector<Mending>& tiles,
+                    const std::vector<std::uint64_t>& hopeless) {
   Mending all;
   std::vector<std::uint64_t> polygon_begin{0}, triangle_begin{0};
   for (const Mending& tile : tiles) {
@@ -138,6 +151,7 @@ void write_mendings(const RunContext& context, const std::vector<Mending>& tiles
   out.append("triangle_begin", triangle_begin, "first entry of each tile in `position`");
   out.append("position", all.position, "triangle of the tile's seam file to be replaced");
   out.append("triangle", all.triangle, "by this: numbers of points of that file");
+  out.append("hopeless", hopeless, "points of each tile that no polygon can save under the limit on errors");
   out.set("changed", static_cast<std::int64_t>(all.changed));
   out.commit();
 }
@@ -156,9 +170,11 @@ Mending read_mended_triangles(const RunContext& context, std::uint32_t tile) {
 
 MendedResults read_mended_results(const RunContext& context) {
   const store::Reader in(context.layout.unit(Phase::mend, 0));
-  MendedResults out{in.read<std::uint64_t>("polygon_begin"), in.read<std::uint32_t>("polygon"), ResultTable(in)};
-  if (out.begin.size() != std::size_t{context.plan.num_tiles()} + 1 || out.begin.back() != out.polygon.size() ||
-      out.result.size() != out.polygon.size() || !std::is_sorted(out.begin.begin(), out.begin.end()))
+  MendedResults out{in.read<std::uint64_t>("polygon_begin"), in.read<std::uint32_t>("polygon"), ResultTable(in),
+                    in.read<std::uint64_t>("hopeless")};
+  if (out.begin.size() != std::size_t{context.plan.num_tiles()} + 1 || out.hopeless.size() + 1 != out.begin.size() ||
+      out.begin.back() != out.polygon.size() || out.result.size() != out.polygon.size() ||
+      !std::is_sorted(out.begin.begin(), out.begin.end()))
     contradicts(in.path());
   return out;
 }
@@ -179,11 +195,11 @@ PolygonFigures MendedResults::figures(const RunContext& context, std::uint32_t t
 
 void mend_minima(const RunContext& context) {
   std::vector<Mending> tiles(context.plan.num_tiles());
-  const std::vector<std::uint64_t> unserved = unserved_points(context);
+  const std::vector<std::uint64_t> unserved = listed_points(context, "unserved");
   if (!unserved.empty())
     for_all(context, tiles.size(),
             [&](std::uint64_t t) { tiles[t] = Mender(context, static_cast<std::uint32_t>(t), unserved).mend(); });
-  write_mendings(context, tiles);
+  write_mendings(context, tiles, hopeless_points(context));
 }
 
 }  // namespace hydrotin

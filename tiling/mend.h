@@ -37,6 +37,7 @@ struct MendedResults {
   std::vector<std::uint64_t> begin;
   std::vector<std::uint32_t> polygon;
   ResultTable result;
+  std::vector<std::uint64_t> hopeless;  ///< [tiles] minima that the limit on errors makes unavoidable
 
   /// The figures of one tile's seam polygons. Fails: Error(storage).
   [[nodiscard]] PolygonFigures figures(const RunContext& context, std::uint32_t tile) const;
@@ -45,6 +46,8 @@ struct MendedResults {
 [[nodiscard]] MendedResults read_mended_results(const RunContext& context);
 
 /// Writes the output of the phase.
-void write_mendings(const RunContext& context, const std::vector<Mending>& tiles);
+/// @param hopeless  [tiles] as in MendedResults
+void write_mendings(const RunContext& context, const std::vector<Mending>& tiles,
+                    const std::vector<std::uint64_t>& hopeless);
 
 }  // namespace hydrotin

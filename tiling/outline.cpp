@@ -21,17 +21,21 @@ HullVertex read_vertex(const store::Reader& in, std::uint32_t tile, std::uint32_
 }
 
 struct TileOutline {
-  LatticeBox box;
-  std::uint64_t count = 0, points = 0;
+  LatticeBox box, reference_box;
+  std::uint64_t count = 0, points = 0, reference_count = 0;
   std::vector<HullVertex> hull;
   HullVertex lowest;
 };
 
-TileOutline outline_of(const store::Reader& in, std::uint32_t tile) {
+TileOutline outline_of(const store::Reader& in, std::uint32_t tile, bool has_reference) {
   TileOutline out;
   for (const LatticeBox& b : read_block_boxes(in)) out.box.extend(b);
   out.count = in.size("x");
   out.points = static_cast<std::uint64_t>(in.integer("points"));
+  if (has_reference) {
+    for (const LatticeBox& b : read_block_boxes(in, kReference)) out.reference_box.extend(b);
+    out.reference_count = in.size(std::string(kReference) + "x");
+  }
   if (out.count == 0) return out;
   for (const std::uint32_t i : in.read<std::uint32_t>("hull")) out.hull.push_back(read_vertex(in, tile, i));
   out.lowest = read_vertex(in, tile, static_cast<std::uint32_t>(in.integer("lowest")));
@@ -45,11 +49,14 @@ void make_outline(const RunContext& context) {
   std::vector<HullVertex> candidates;
   std::vector<TileOutline> tiles(context.plan.num_tiles());
   for_all(context, tiles.size(), [&](std::uint64_t t) {
-    tiles[t] = outline_of(store::Reader(context.layout.unit(Phase::arrange, t)), static_cast<std::uint32_t>(t));
+    tiles[t] = outline_of(store::Reader(context.layout.unit(Phase::arrange, t)), static_cast<std::uint32_t>(t),
+                          context.plan.has_reference());
   });
   for (const TileOutline& tile : tiles) {
     outline.box.push_back(tile.box);
     outline.count.push_back(tile.count);
+    outline.reference_count.push_back(tile.reference_count);
+    outline.reference_box.push_back(tile.reference_box);
     outline.points += tile.points;
     outline.vertices += tile.count;
     candidates.insert(candidates.end(), tile.hull.begin(), tile.hull.end());
@@ -73,6 +80,8 @@ void make_outline(const RunContext& context) {
   out.set("recipe", context.recipe(Phase::outline));
   out.append("tile_count", outline.count, "vertices");
   out.append("tile_box", flatten(outline.box), "tight boxes: min x, min y, max x, max y");
+  out.append("tile_reference_count", outline.reference_count, "reference points");
+  out.append("tile_reference_box", flatten(outline.reference_box), "tight boxes of these");
   std::vector<std::uint64_t> point;
   std::vector<std::int32_t> xyz;
   outline.hull.push_back(outline.lowest);
@@ -93,7 +102,10 @@ Outline load_outline(const std::string& path) {
   out.box = unflatten(in.read<std::int32_t>("tile_box"));
   const auto point = in.read<std::uint64_t>("hull_point");
   const auto xyz = in.read<std::int32_t>("hull_xyz");
-  if (out.box.size() != out.count.size() || point.size() < 4 || xyz.size() != 3 * point.size())
+  out.reference_count = in.read<std::uint64_t>("tile_reference_count");
+  out.reference_box = unflatten(in.read<std::int32_t>("tile_reference_box"));
+  if (out.box.size() != out.count.size() || out.reference_count.size() != out.count.size() ||
+      out.reference_box.size() != out.count.size() || point.size() < 4 || xyz.size() != 3 * point.size())
     throw Error(ErrorKind::storage, path + ": the outline contradicts itself; delete it and run again");
   for (std::size_t i = 0; i < point.size(); ++i)
     out.hull.push_back({PointId(point[i]), {xyz[3 * i], xyz[3 * i + 1]}, xyz[3 * i + 2]});
@@ -103,6 +115,7 @@ Outline load_outline(const std::string& path) {
   for (const std::uint64_t c : out.count) out.vertices += c;
   out.duplicates = out.points - out.vertices;
   out.tree = BoxTree(out.box);
+  out.reference_tree = BoxTree(out.reference_box);
   return out;
 }
 

@@ -20,14 +20,17 @@ struct HullVertex {
 };
 
 struct Outline {
-  std::vector<std::uint64_t> count;  ///< [tiles] vertices
-  std::vector<LatticeBox> box;       ///< [tiles] tight box of the vertices; empty where there are none
-  std::vector<HullVertex> hull;      ///< strictly convex, counter-clockwise, from the smallest by (x, y)
-  HullVertex lowest;                 ///< by (z, x, y)
-  std::uint64_t points = 0;          ///< kept by the filters
+  std::vector<std::uint64_t> count;            ///< [tiles] vertices
+  std::vector<LatticeBox> box;                 ///< [tiles] tight box of the vertices; empty where there are none
+  std::vector<HullVertex> hull;                ///< strictly convex, counter-clockwise, from the smallest by (x, y)
+  HullVertex lowest;                           ///< by (z, x, y)
+  std::vector<std::uint64_t> reference_count;  ///< [tiles] reference points
+  std::vector<LatticeBox> reference_box;       ///< [tiles] tight box of these
+  std::uint64_t points = 0;                    ///< kept by the filters
   std::uint64_t vertices = 0;
   std::uint64_t duplicates = 0;
-  BoxTree tree{{}};  ///< of `box`
+  BoxTree tree{{}};            ///< of `box`
+  BoxTree reference_tree{{}};  ///< of `reference_box`
 
   [[nodiscard]] LatticeBox bounds() const {
     LatticeBox all;

@@ -44,6 +44,7 @@ void ObjectiveValue::add(const ObjectiveValue& other) {
 std::vector<ObjectiveValue> values_of(const Part& part, const Objectives& objectives) {
   std::vector<ObjectiveValue> out(objectives.size());
   for (std::size_t i = 0; i < out.size(); ++i) {
+    if (needs_reference(objectives[i])) continue;
     const ObjectiveKind kind = kind_of(objectives[i]);
     if (kind == ObjectiveKind::sum) out[i].sum = sum_over(part, objectives[i]);
     if (kind == ObjectiveKind::bottleneck && objectives[i] != Objective::min_max_order)

@@ -21,7 +21,7 @@ struct ObjectiveValue {
   friend bool operator==(const ObjectiveValue&, const ObjectiveValue&) = default;
 };
 
-/// One value per objective; of local-minima and min-max-order, which triangles do not tell, nothing.
+/// One value per objective; of local-minima, min-max-order and errors, which triangles do not tell, nothing.
 /// Complexity: O(objectives * triangles).
 [[nodiscard]] std::vector<ObjectiveValue> values_of(const Part& part, const Objectives& objectives);
 

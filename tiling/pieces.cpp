@@ -28,6 +28,12 @@ std::uint32_t PieceWriter::add(const Piece& piece) {
   for (const auto& t : piece.delaunay) delaunay_.insert(delaunay_.end(), t.begin(), t.end());
   for (const auto& t : piece.others) others_.insert(others_.end(), t.begin(), t.end());
   others_order_.insert(others_order_.end(), piece.others_order.begin(), piece.others_order.end());
+  for (const ReferencePoint& p : piece.reference) {
+    reference_xyz_.insert(reference_xyz_.end(), {p.position.x, p.position.y, p.height});
+    reference_triangle_.push_back(p.triangle);
+    reference_on_rim_.push_back(p.on_rim);
+  }
+  reference_begin_.push_back(static_cast<std::uint32_t>(reference_triangle_.size()));
   vertex_begin_.push_back(static_cast<std::uint32_t>(point_.size()));
   delaunay_begin_.push_back(static_cast<std::uint32_t>(fixed_.size()));
   others_begin_.push_back(static_cast<std::uint32_t>(others_.size() / 3));
@@ -65,6 +71,10 @@ void PieceWriter::write(store::Writer& out) const {
   out.append("piece_others_begin", others_begin_, "first other order-k triangle of each piece");
   out.append("piece_others", others_);
   out.append("piece_others_order", others_order_);
+  out.append("piece_reference_begin", reference_begin_, "first reference point of each piece");
+  out.append("piece_reference_xyz", reference_xyz_);
+  out.append("piece_reference_triangle", reference_triangle_, "Delaunay triangle of the piece that owns it");
+  out.append("piece_reference_on_rim", reference_on_rim_, "1: on an edge of the hull");
   out.append("border_a", border_a_, "ends of the edges between pieces of different tiles");
   out.append("border_b", border_b_);
   out.append("border_piece", border_piece_);
@@ -82,6 +92,13 @@ PieceReader::PieceReader(const store::Reader& in)
       delaunay_(in.read<std::uint32_t>("piece_delaunay")),
       others_(in.read<std::uint32_t>("piece_others")) {
   others_order_ = in.read<std::uint8_t>("piece_others_order");
+  reference_triangle_ = in.read<std::uint32_t>("piece_reference_triangle");
+  reference_begin_ = read_offsets(in, "piece_reference_begin", reference_triangle_.size());
+  reference_xyz_ = in.read<std::int32_t>("piece_reference_xyz");
+  reference_on_rim_ = in.read<std::uint8_t>("piece_reference_on_rim");
+  if (reference_begin_.size() != delaunay_begin_.size() || reference_xyz_.size() != 3 * reference_triangle_.size() ||
+      reference_on_rim_.size() != reference_triangle_.size())
+    throw damaged(path_);
   const auto hull_piece = in.read<std::uint32_t>("piece_hull_piece");
   const auto hull_edge = in.read<std::uint64_t>("piece_hull_edge");
   if (hull_edge.size() != 2 * hull_piece.size() || !std::is_sorted(hull_piece.begin(), hull_piece.end()))
@@ -118,6 +135,13 @@ Piece PieceReader::piece(std::uint32_t number) const {
   const std::uint32_t c0 = others_begin_[number], c1 = others_begin_[number + 1];
   out.others = triangles(others_, c0, c1, out.vertex.size());
   out.others_order.assign(others_order_.begin() + c0, others_order_.begin() + c1);
+  for (std::size_t i = reference_begin_[number]; i < reference_begin_[number + 1]; ++i) {
+    if (reference_triangle_[i] >= out.delaunay.size()) throw damaged(path_);
+    out.reference.push_back({{reference_xyz_[3 * i], reference_xyz_[3 * i + 1]},
+                             reference_xyz_[3 * i + 2],
+                             reference_triangle_[i],
+                             reference_on_rim_[i] != 0});
+  }
   const auto by_piece = [](const HullEdge& a, const HullEdge& b) { return a.piece < b.piece; };
   const auto [first, last] = std::equal_range(hull_.begin(), hull_.end(), HullEdge{number, {}, {}}, by_piece);
   for (auto e = first; e != last; ++e) out.hull.push_back({e->origin, e->target});

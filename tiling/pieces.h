@@ -7,6 +7,7 @@
 
 #include "hydrotin/id.h"
 #include "hydrotin/lattice.h"
+#include "hydrotin/vertical_error.h"
 #include "store.h"
 
 /// Pieces: what one tile knows of polygons that cross its border.
@@ -30,6 +31,7 @@ struct Piece {
   std::vector<std::uint8_t> fixed;                     ///< [T] bit i: side i is fixed
   std::vector<std::array<std::uint32_t, 3>> others;    ///< [C]
   std::vector<std::uint8_t> others_order;              ///< [C]
+  std::vector<ReferencePoint> reference;               ///< owned by its Delaunay triangles
   std::vector<std::array<PointId, 2>> hull;            ///< its directed edges on the convex hull
 };
 
@@ -65,6 +67,9 @@ class PieceWriter {
   std::vector<std::uint64_t> border_a_, border_b_;
   std::vector<std::uint32_t> border_piece_;
   std::vector<HullEdge> hull_;
+  std::vector<std::uint32_t> reference_begin_{0}, reference_triangle_;
+  std::vector<std::int32_t> reference_xyz_;
+  std::vector<std::uint8_t> reference_on_rim_;
 };
 
 /// All pieces of one tile, as they lie in its file.
@@ -86,6 +91,9 @@ class PieceReader {
   std::vector<std::uint8_t> wants_, fixed_, others_order_;
   std::vector<std::uint32_t> delaunay_, others_;
   std::vector<HullEdge> hull_;  // by piece
+  std::vector<std::uint32_t> reference_begin_, reference_triangle_;
+  std::vector<std::int32_t> reference_xyz_;
+  std::vector<std::uint8_t> reference_on_rim_;
 };
 
 /// What `join` needs of a tile: triangles per piece, and the border edges.

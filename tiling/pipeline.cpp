@@ -20,8 +20,12 @@ void check(const PipelineOptions& options) {
   if (options.output.dir.empty()) fail("output.dir: no folder is named; say where the results shall go");
   if (options.triangulation.order < 0 || options.triangulation.order > 6)
     fail("triangulation.order: " + std::to_string(options.triangulation.order) + " is not possible; give 0 to 6");
-  if (const auto objection = objection_to_run(options.triangulation.objectives))
-    fail("triangulation.objective: " + *objection);
+  if (const auto objection = objection_to_run(options.triangulation)) fail("triangulation.objective: " + *objection);
+  if (const auto limit = options.triangulation.max_error_m) {
+    if (!(*limit >= 0)) fail("triangulation.max_error_m: give a length from 0 on");
+    if (options.triangulation.reference.empty())
+      fail("triangulation.max_error_m: errors are those of reference points; give triangulation.reference");
+  }
   if (options.tiles.target_points < 1000)
     fail("tiles.target_points: " + std::to_string(options.tiles.target_points) + " is too few; give 1,000 or more");
   if (!(options.output.dem.cell_m > 0)) fail("output.dem.cell_m: a cell must have a positive size");
@@ -73,7 +77,8 @@ void remove_scratch(const RunContext& context) {
 
 }  // namespace
 
-std::optional<std::string> objection_to_run(const Objectives& objectives) {
+std::optional<std::string> objection_to_run(const TriangulationOptions& options) {
+  const Objectives& objectives = options.objectives;
   for (const Objective objective : objectives) {
     const std::string quoted = "'" + std::string(name(objective)) + "'";
     switch (kind_of(objective)) {
@@ -84,8 +89,8 @@ std::optional<std::string> objection_to_run(const Objectives& objectives) {
       default:
         break;
     }
-    if (needs_reference(objective))
-      return quoted + " needs reference points, which a run does not take; use hydrotin triangulate --reference";
+    if (needs_reference(objective) && options.reference.empty())
+      return quoted + " needs reference points; give their files as triangulation.reference";
   }
   if (const auto objection = objection_to(objectives))
     return "'" + name(objectives) + "' is not possible: " + *objection;
@@ -96,8 +101,11 @@ PlanSummary plan_run(const PipelineOptions& options) {
   const RunContext context = plan_context(options);
   const Plan& plan = context.plan;
   PlanSummary out;
-  out.files = plan.files.size();
-  for (const PlanFile& f : plan.files) out.points += f.points;
+  std::uint64_t reference = 0;
+  for (const PlanFile& f : plan.files) {
+    out.files += !f.is_reference;
+    (f.is_reference ? reference : out.points) += f.points;
+  }
   out.tiles = plan.num_tiles();
   const auto worst = std::max_element(plan.expected.begin(), plan.expected.end());
   out.worst_tile = static_cast<std::uint64_t>(worst - plan.expected.begin());
@@ -106,8 +114,9 @@ PlanSummary plan_run(const PipelineOptions& options) {
   out.tiles_in_flight = tiles_in_flight(options.run, *worst, out.worst_tile);
   out.memory_bytes = out.tile_bytes * out.tiles_in_flight + (std::uint64_t{64} << 20);
   constexpr double kBytesPerPoint = 130, kSecondsPerPoint = 5e-6;
-  out.disk_bytes = static_cast<std::uint64_t>(kBytesPerPoint * static_cast<double>(out.points));
-  out.seconds = kSecondsPerPoint * static_cast<double>(out.points) / worker_count(options.run);
+  const double points = static_cast<double>(out.points) + static_cast<double>(reference) / kReferencePerPoint;
+  out.disk_bytes = static_cast<std::uint64_t>(kBytesPerPoint * points);
+  out.seconds = kSecondsPerPoint * points / worker_count(options.run);
   out.crs = plan.crs;
   for (std::size_t p = 0; p < kNumPhases; ++p) out.units.push_back(num_units(plan, static_cast<Phase>(p)));
   return out;

@@ -19,7 +19,7 @@ namespace hydrotin {
 namespace {
 
 // Glob patterns of plain paths are expanded; /vsi paths are taken as they are.
-std::vector<std::string> expand(const std::vector<std::string>& patterns) {
+std::vector<std::string> expand(const std::vector<std::string>& patterns, const std::string& key) {
   std::set<std::string> paths;
   for (const std::string& pattern : patterns) {
     if (pattern.starts_with("/vsi")) {
@@ -33,10 +33,9 @@ std::vector<std::string> expand(const std::vector<std::string>& patterns) {
     ::globfree(&found);
     if (status != 0)
       throw Error(ErrorKind::input,
-                  "input.points: nothing matches '" + pattern + "'; check the path, relative to the config file");
+                  key + ": nothing matches '" + pattern + "'; check the path, relative to the config file");
   }
-  if (paths.empty())
-    throw Error(ErrorKind::config, "input.points: no file is named; give at least one LAS or LAZ file");
+  if (paths.empty()) throw Error(ErrorKind::config, key + ": no file is named; give at least one LAS or LAZ file");
   return {paths.begin(), paths.end()};
 }
 
@@ -151,7 +150,8 @@ std::string plan_recipe(const Plan& plan, const PipelineOptions& options, const 
     ::stat(plan.files[i].path.c_str(), &info);
     hash.add(plan.files[i].path)
         .add(static_cast<std::int64_t>(headers[i].file_bytes))
-        .add(static_cast<std::int64_t>(info.st_mtime));
+        .add(static_cast<std::int64_t>(info.st_mtime))
+        .add(std::int64_t{plan.files[i].is_reference});
   }
   for (const std::uint8_t c : options.input.classes) hash.add(std::int64_t{c});
   hash.add(options.input.crs).add(std::int64_t{options.input.withheld}).add(std::int64_t{options.input.synthetic});
@@ -162,20 +162,25 @@ std::string plan_recipe(const Plan& plan, const PipelineOptions& options, const 
 }  // namespace
 
 Plan make_plan(const PipelineOptions& options) {
-  const std::vector<std::string> paths = expand(options.input.points);
+  std::vector<std::string> paths = expand(options.input.points, "input.points");
+  const std::size_t num_files = paths.size();
+  if (const auto& reference = options.triangulation.reference; !reference.empty())
+    for (std::string& path : expand(reference, "triangulation.reference")) paths.push_back(std::move(path));
   std::vector<LasHeader> headers;
   std::vector<FileLattice> with_points;
   std::vector<std::size_t> number_of;
+  bool has_points = false;
   Plan plan;
   for (const std::string& path : paths) {
     headers.push_back(LasFile(path).header());  // opening checks that all points are there
     const LasHeader& h = headers.back();
-    plan.files.push_back({path, h.point_count, {}});
+    plan.files.push_back({path, h.point_count, {}, plan.files.size() >= num_files});
     if (h.point_count == 0) continue;
+    has_points = has_points || !plan.files.back().is_reference;
     with_points.push_back({path, h.scale, h.offset, h.min, h.max});
     number_of.push_back(plan.files.size() - 1);
   }
-  if (with_points.empty())
+  if (!has_points)
     throw Error(ErrorKind::input, paths.front() + ": no point in any input; give files that have points");
   const Crs crs = common_crs(headers, paths, options.input.crs);
   plan.crs = crs.name;
@@ -196,7 +201,7 @@ Plan make_plan(const PipelineOptions& options) {
     const FileLattice& f = with_points[i];
     spreads.push_back({at(f.min[0], l.offset_x, l.base_x), at(f.min[1], l.offset_y, l.base_y),
                        at(f.max[0], l.offset_x, l.base_x), at(f.max[1], l.offset_y, l.base_y),
-                       static_cast<double>(file.points)});
+                       static_cast<double>(file.points) / (file.is_reference ? kReferencePerPoint : 1)});
     Spread& s = spreads.back();
     if (s.x1 < s.x0) std::swap(s.x0, s.x1);
     if (s.y1 < s.y0) std::swap(s.y0, s.y1);
@@ -219,7 +224,9 @@ void save_plan(const Plan& plan, const std::string& path) {
   std::vector<std::uint8_t> names;
   std::vector<std::uint64_t> points;
   std::vector<std::int64_t> map;
+  std::vector<std::uint8_t> is_reference;
   for (const PlanFile& file : plan.files) {
+    is_reference.push_back(file.is_reference);
     names.insert(names.end(), file.path.begin(), file.path.end());
     names.push_back(0);
     points.push_back(file.points);
@@ -227,6 +234,7 @@ void save_plan(const Plan& plan, const std::string& path) {
   }
   out.append("file_path", names, "zero-terminated paths");
   out.append("file_points", points);
+  out.append("file_is_reference", is_reference, "1: its points are no vertices");
   out.append("file_map", map, "factor and shift of x, y, z for each file");
   std::vector<std::int64_t> nodes;
   for (const PlanNode& n : plan.nodes) nodes.insert(nodes.end(), {n.axis, n.split, n.below, n.above});
@@ -255,11 +263,13 @@ Plan load_plan(const std::string& path) {
   const auto names = in.read<std::uint8_t>("file_path");
   const auto points = in.read<std::uint64_t>("file_points");
   const auto map = in.read<std::int64_t>("file_map");
+  const auto is_reference = in.read<std::uint8_t>("file_is_reference");
+  if (is_reference.size() != points.size()) throw damaged();
   auto at = names.begin();
   for (std::size_t f = 0; f < points.size(); ++f) {
     const auto end = std::find(at, names.end(), std::uint8_t{0});
     if (end == names.end() || map.size() != 6 * points.size()) throw damaged();
-    PlanFile file{std::string(at, end), points[f], {}};
+    PlanFile file{std::string(at, end), points[f], {}, is_reference[f] != 0};
     for (std::size_t a = 0; a < 3; ++a) {
       file.map.factor[a] = map[6 * f + 2 * a];
       file.map.shift[a] = map[6 * f + 2 * a + 1];

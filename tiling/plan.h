@@ -17,10 +17,14 @@
 
 namespace hydrotin {
 
+/// So many reference points weigh as much as one point when tiles are cut and memory is planned.
+inline constexpr int kReferencePerPoint = 4;
+
 struct PlanFile {
   std::string path;
   std::uint64_t points = 0;
   LatticeMap map;
+  bool is_reference = false;  ///< its points are no vertices
 };
 
 /// Inner node: points with (axis 0: x, axis 1: y) < `split` go to `below`, others to `above`. Leaf: axis 2, `below` =
@@ -33,14 +37,15 @@ struct PlanNode {
 
 struct Plan {
   std::string recipe;
-  std::vector<PlanFile> files;  ///< by path
+  std::vector<PlanFile> files;  ///< by path, those of reference points last
   std::string crs, crs_wkt;     ///< empty: none
   double metres_per_unit = 1;   ///< of x and y
   Lattice lattice;
   std::vector<PlanNode> nodes;          ///< root first
   std::vector<LatticeBox> core;         ///< [tiles] closed boxes that cover the lattice without overlap
-  std::vector<std::uint64_t> expected;  ///< [tiles] points expected
+  std::vector<std::uint64_t> expected;  ///< [tiles] points expected, with what reference points weigh
 
+  [[nodiscard]] bool has_reference() const { return !files.empty() && files.back().is_reference; }
   [[nodiscard]] std::uint32_t num_tiles() const { return static_cast<std::uint32_t>(core.size()); }
   [[nodiscard]] std::uint32_t tile_of(LatticePoint p) const {
     std::uint32_t node = 0;

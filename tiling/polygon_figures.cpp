@@ -1,6 +1,7 @@
 #include "polygon_figures.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace hydrotin {
 namespace {
@@ -17,8 +18,43 @@ bool counts_minima(const Objectives& objectives) {
   return std::find(objectives.begin(), objectives.end(), Objective::local_minima) != objectives.end();
 }
 
-PolygonOptions polygon_options(const PipelineOptions& options) {
-  return {.objectives = options.triangulation.objectives};
+PolygonOptions polygon_options(const RunContext& context) {
+  const TriangulationOptions& options = context.options.triangulation;
+  PolygonOptions out{.objectives = options.objectives};
+  if (!options.max_error_m) return out;
+  const double millionths = std::round(*options.max_error_m / context.plan.lattice.scale_z * 1e6);
+  if (!(millionths < 2e15))
+    throw Error(ErrorKind::config, "triangulation.max_error_m: " + std::to_string(*options.max_error_m) +
+                                       " is more than any error can be; lower it or leave it out");
+  out.max_error = ErrorLimit{static_cast<std::int64_t>(millionths)};
+  return out;
+}
+
+void ErrorFigures::add(const TriangleError& error) {
+  squared.add(error.squared);
+  absolute.add(error.absolute);
+  largest = std::max(largest, error.largest);
+}
+
+void ErrorFigures::add(const ErrorFigures& other) {
+  squared.add(other.squared);
+  absolute.add(other.absolute);
+  largest = std::max(largest, other.largest);
+}
+
+void write_errors(store::Writer& out, const std::string& prefix, const ErrorFigures& errors) {
+  out.set(prefix + "squared_high", errors.squared.high());
+  out.set(prefix + "squared_low", static_cast<std::int64_t>(errors.squared.low()));
+  out.set(prefix + "absolute_high", errors.absolute.high());
+  out.set(prefix + "absolute_low", static_cast<std::int64_t>(errors.absolute.low()));
+  out.set(prefix + "largest", errors.largest);
+}
+
+ErrorFigures read_errors(const store::Reader& in, const std::string& prefix) {
+  const auto sum = [&](const std::string& key) {
+    return ExactSum(in.integer(prefix + key + "_high"), static_cast<std::uint64_t>(in.integer(prefix + key + "_low")));
+  };
+  return {sum("squared"), sum("absolute"), in.real(prefix + "largest")};
 }
 
 void PolygonFigures::add(std::uint32_t size, std::uint32_t num_components) {
@@ -36,6 +72,7 @@ void PolygonFigures::add(const PolygonResult& result) {
   max_order = std::max<std::uint64_t>(max_order, result.max_order);
   gap.add(result.gap);
   bound = std::max(bound, result.bound);
+  error.add(result.error);
 }
 
 void PolygonFigures::add(const PolygonFigures& other) {
@@ -50,6 +87,7 @@ void PolygonFigures::add(const PolygonFigures& other) {
   max_order = std::max(max_order, other.max_order);
   gap.add(other.gap);
   bound = std::max(bound, other.bound);
+  error.add(other.error);
 }
 
 void write_figures(store::Writer& out, const PolygonFigures& figures) {
@@ -65,6 +103,7 @@ void write_figures(store::Writer& out, const PolygonFigures& figures) {
   out.set("gap_high", figures.gap.high());
   out.set("gap_low", static_cast<std::int64_t>(figures.gap.low()));
   out.set("bound", figures.bound);
+  write_errors(out, "error_", figures.error);
   out.append("polygon_sizes", std::vector<std::uint64_t>(figures.sizes.begin(), figures.sizes.end()),
              "polygons of 1, 2, 3-4, 5-8, ... Delaunay triangles");
 }
@@ -82,6 +121,7 @@ PolygonFigures read_figures(const store::Reader& in) {
   figures.max_order = count("max_order");
   figures.gap = ExactSum(in.integer("gap_high"), count("gap_low"));
   figures.bound = in.real("bound");
+  figures.error = read_errors(in, "error_");
   const auto sizes = in.read<std::uint64_t>("polygon_sizes");
   if (sizes.size() != PolygonFigures::kNumSizes) throw damaged(in.path());
   std::copy(sizes.begin(), sizes.end(), figures.sizes.begin());
@@ -92,8 +132,13 @@ ResultTable::ResultTable(const store::Reader& in)
     : max_order_(in.read<std::uint32_t>("result_max_order")),
       flags_(in.read<std::uint8_t>("result_flags")),
       gap_(in.read<double>("result_gap")),
-      bound_(in.read<double>("result_bound")) {
-  if (flags_.size() != size() || gap_.size() != size() || bound_.size() != size()) throw damaged(in.path());
+      bound_(in.read<double>("result_bound")),
+      squared_(in.read<double>("result_squared")),
+      absolute_(in.read<double>("result_absolute")),
+      largest_(in.read<double>("result_largest")) {
+  if (flags_.size() != size() || gap_.size() != size() || bound_.size() != size() || squared_.size() != size() ||
+      absolute_.size() != size() || largest_.size() != size())
+    throw damaged(in.path());
 }
 
 void ResultTable::add(const PolygonResult& result) {
@@ -103,6 +148,9 @@ void ResultTable::add(const PolygonResult& result) {
                                              (result.optimal ? 0 : kNotOptimal)));
   gap_.push_back(result.gap);
   bound_.push_back(result.bound);
+  squared_.push_back(result.error.squared);
+  absolute_.push_back(result.error.absolute);
+  largest_.push_back(result.error.largest);
 }
 
 void ResultTable::append(const ResultTable& other) {
@@ -110,6 +158,9 @@ void ResultTable::append(const ResultTable& other) {
   flags_.insert(flags_.end(), other.flags_.begin(), other.flags_.end());
   gap_.insert(gap_.end(), other.gap_.begin(), other.gap_.end());
   bound_.insert(bound_.end(), other.bound_.begin(), other.bound_.end());
+  squared_.insert(squared_.end(), other.squared_.begin(), other.squared_.end());
+  absolute_.insert(absolute_.end(), other.absolute_.begin(), other.absolute_.end());
+  largest_.insert(largest_.end(), other.largest_.begin(), other.largest_.end());
 }
 
 void ResultTable::write(store::Writer& out) const {
@@ -117,6 +168,9 @@ void ResultTable::write(store::Writer& out) const {
   out.append("result_flags", flags_, "1: fell back, 2: misses the limit on errors, 4: not proven to be optimal");
   out.append("result_gap", gap_, "at most so much above the optimum, if the first objective is a sum");
   out.append("result_bound", bound_, "no answer has a smaller score, if the first objective is a bottleneck");
+  out.append("result_squared", squared_, "errors of the reference points under the answer: sum of squares");
+  out.append("result_absolute", absolute_, "sum of absolute values");
+  out.append("result_largest", largest_, "largest absolute value");
 }
 
 PolygonResult ResultTable::operator[](std::size_t i) const {
@@ -127,6 +181,9 @@ PolygonResult ResultTable::operator[](std::size_t i) const {
   result.optimal = (flags_[i] & kNotOptimal) == 0;
   result.gap = gap_[i];
   result.bound = bound_[i];
+  result.error.squared = squared_[i];
+  result.error.absolute = absolute_[i];
+  result.error.largest = largest_[i];
   return result;
 }
 

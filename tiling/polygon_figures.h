@@ -11,6 +11,7 @@
 #include "exact_sum.h"
 #include "hydrotin/options.h"
 #include "hydrotin/polygon.h"
+#include "phases.h"
 #include "store.h"
 
 /// What units say of the polygons that they solved, so that it can be added up in any order.
@@ -22,8 +23,21 @@ namespace hydrotin {
 
 [[nodiscard]] bool counts_minima(const Objectives& objectives);
 
-/// What every solver of a run is asked.
-[[nodiscard]] PolygonOptions polygon_options(const PipelineOptions& options);
+/// What every solver of a run is asked. Fails: Error(config) if the limit on errors is too large for the lattice.
+[[nodiscard]] PolygonOptions polygon_options(const RunContext& context);
+
+/// Vertical errors of reference points.
+struct ErrorFigures {
+  ExactSum squared, absolute;
+  double largest = 0;
+
+  void add(const TriangleError& error);
+  void add(const ErrorFigures& other);
+  friend bool operator==(const ErrorFigures&, const ErrorFigures&) = default;
+};
+
+void write_errors(store::Writer& out, const std::string& prefix, const ErrorFigures& errors);
+[[nodiscard]] ErrorFigures read_errors(const store::Reader& in, const std::string& prefix);
 
 struct PolygonFigures {
   /// Bucket of a polygon of so many Delaunay triangles: 1, 2, 3-4, 5-8, 9-16, ...
@@ -37,6 +51,7 @@ struct PolygonFigures {
   std::uint64_t fallbacks = 0, limit_missed = 0, not_optimal = 0, max_order = 0;
   ExactSum gap;                                             ///< first objective a sum
   double bound = -std::numeric_limits<double>::infinity();  ///< first objective a bottleneck: of its score
+  ErrorFigures error;                                       ///< of the reference points under the answers
 
   /// A polygon's form.
   void add(std::uint32_t size, std::uint32_t num_components);
@@ -65,7 +80,7 @@ class ResultTable {
  private:
   std::vector<std::uint32_t> max_order_;
   std::vector<std::uint8_t> flags_;
-  std::vector<double> gap_, bound_;
+  std::vector<double> gap_, bound_, squared_, absolute_, largest_;
 };
 
 }  // namespace hydrotin

@@ -28,6 +28,7 @@ std::string recipe(const std::string& plan_recipe, const PipelineOptions& option
   hash.add(kFormat).add(plan_recipe).add(std::string(name(phase)));
   if (phase >= Phase::triangulate)
     hash.add(std::int64_t{options.triangulation.order}).add(name(options.triangulation.objectives));
+  if (phase >= Phase::triangulate) hash.add(options.triangulation.max_error_m.value_or(-1));
   if (phase >= Phase::spill)
     hash.add(static_cast<std::int64_t>(options.pits.method)).add(static_cast<std::int64_t>(options.pits.outlets));
   if (phase >= Phase::finish) hash.add(std::int64_t{options.output.mesh_ply});

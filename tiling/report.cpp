@@ -21,6 +21,7 @@
 #include "reduced_store.h"
 #include "schedule.h"
 #include "terrain_file.h"
+#include "tile_reference.h"
 #include "whole_array.h"
 
 namespace hydrotin {
@@ -41,6 +42,7 @@ struct TriangulationFigures {
   std::uint64_t points = 0, triangles = 0, useful_edges = 0, fixed_edges = 0;
   std::int64_t minima = 0, minima_bound = 0;
   PolygonFigures polygons;
+  ReferenceFigures reference;
   std::vector<ObjectiveValue> value;  // of each objective
 
   void add(const TriangulationFigures& other) {
@@ -51,10 +53,18 @@ struct TriangulationFigures {
     minima += other.minima;
     minima_bound += other.minima_bound;
     polygons.add(other.polygons);
+    reference.add(other.reference);
     value.resize(other.value.size());
     for (std::size_t i = 0; i < value.size(); ++i) value[i].add(other.value[i]);
   }
 };
+
+// Errors of all reference points inside the hull.
+ErrorFigures errors_of(const TriangulationFigures& f) {
+  ErrorFigures out = f.polygons.error;
+  out.add(f.reference.vertex_error);
+  return out;
+}
 
 // Of the first objective, in the unit of the coordinates.
 struct Verdict {
@@ -94,7 +104,8 @@ std::vector<TriangulationFigures> read_triangulations(const RunContext& context)
     const store::Reader triangulated(context.layout.unit(Phase::triangulate, t));
     tile.useful_edges = static_cast<std::uint64_t>(triangulated.integer("useful_edges"));
     tile.fixed_edges = static_cast<std::uint64_t>(triangulated.integer("fixed_edges"));
-    tile.minima_bound = triangulated.integer("minima_bound");
+    tile.minima_bound = triangulated.integer("minima_bound") + static_cast<std::int64_t>(mended.hopeless[t]);
+    tile.reference = read_reference_figures(triangulated);
     tile.polygons = read_figures(triangulated);
     tile.polygons.add(mended.figures(context, t));
     const store::Reader spill(context.layout.unit(Phase::spill, t));
@@ -114,6 +125,9 @@ std::vector<TriangulationFigures> read_triangulations(const RunContext& context)
 
 double value_of(Objective objective, const TriangulationFigures& f, std::size_t i) {
   if (objective == Objective::min_max_order) return static_cast<double>(f.polygons.max_order);
+  if (objective == Objective::min_squared_error) return errors_of(f).squared.value();
+  if (objective == Objective::min_absolute_error) return errors_of(f).absolute.value();
+  if (objective == Objective::min_max_error) return errors_of(f).largest;
   switch (kind_of(objective)) {
     case ObjectiveKind::minima:
       return static_cast<double>(f.minima);
@@ -140,9 +154,12 @@ Verdict judge(const RunContext& context, const TriangulationFigures& f) {
       out.bound = is_maximised(first) ? out.value + gap : out.value - gap;
       break;
     }
-    case ObjectiveKind::bottleneck:
-      out.bound = out.optimal ? out.value : measure_of_score(first, f.polygons.bound) * unit;
+    case ObjectiveKind::bottleneck: {
+      double score = f.polygons.bound;
+      if (needs_reference(first)) score = std::max(score, f.reference.vertex_error.largest);
+      out.bound = out.optimal ? out.value : measure_of_score(first, score) * unit;
       break;
+    }
     default:
       break;
   }
@@ -238,6 +255,18 @@ void write_rasters(const RunContext& context) {
     write_hillshade(context.layout.hillshade(), dem.cog ? context.layout.dem() : mosaic, 4096, options);
 }
 
+std::int64_t num_files(const Plan& plan, bool is_reference) {
+  return std::count_if(plan.files.begin(), plan.files.end(),
+                       [&](const PlanFile& file) { return file.is_reference == is_reference; });
+}
+
+// Of the points measured: those inside the hull, in all; of one tile, what its polygons and vertices measured.
+double rms_of(const RunContext& context, const TriangulationFigures& f) {
+  const std::uint64_t inside = f.reference.points - f.reference.outside;
+  if (inside == 0) return 0;
+  return std::sqrt(errors_of(f).squared.value() / static_cast<double>(inside)) * context.plan.lattice.scale_z;
+}
+
 json to_json(const RunContext& context, const TriangulationFigures& f) {
   const PolygonFigures& p = f.polygons;
   std::size_t num_sizes = PolygonFigures::kNumSizes;
@@ -253,6 +282,14 @@ json to_json(const RunContext& context, const TriangulationFigures& f) {
               {"local_minima", f.minima},
               {"fallbacks", p.fallbacks},
               {"limit_missed", p.limit_missed}};
+  if (context.plan.has_reference())
+    out["reference"] = {{"points", f.reference.points},
+                        {"outside", f.reference.outside},
+                        {"at_vertices", f.reference.at_vertices},
+                        {"max_error", errors_of(f).largest * context.plan.lattice.scale_z},
+                        {"rms", rms_of(context, f)},
+                        {"limit_missed", p.limit_missed},
+                        {"vertices_beyond_limit", f.reference.beyond_limit}};
   const Objectives& objectives = context.options.triangulation.objectives;
   json values = json::object();
   for (std::size_t i = 0; i < objectives.size(); ++i)
@@ -282,11 +319,16 @@ json to_json(const RunContext& context, const Figures& f) {
     tiles.back()["points"] = f.tile[t].points;
     tiles.back()["triangles"] = f.tile[t].triangles;
   }
+  if (context.options.triangulation.max_error_m)
+    triangulation["max_error_m"] = *context.options.triangulation.max_error_m;
+  for (json& tile : tiles)  // a point may be measured by a polygon of another tile
+    if (tile.contains("reference")) tile["reference"].erase("rms");
   triangulation["per_tile"] = std::move(tiles);
   return {{"program", std::string("hydrotin ") + version()},
           {"crs", context.plan.crs},
           {"tiles", context.plan.num_tiles()},
-          {"files", context.plan.files.size()},
+          {"files", num_files(context.plan, false)},
+          {"reference_files", num_files(context.plan, true)},
           {"triangulation", triangulation},
           {"lifting",
            {{"pits_before", f.pits.size()},
@@ -356,7 +398,8 @@ std::string to_text(const RunContext& context, const Figures& f) {
     out << label << std::string(label.size() < 28 ? 28 - label.size() : 1, ' ') << value << '\n';
   };
   out << "hydrotin " << version() << "\n\nInput\n";
-  row("  files", context.plan.files.size());
+  row("  files", num_files(context.plan, false));
+  if (num_files(context.plan, true) > 0) row("  files of reference points", num_files(context.plan, true));
   row("  CRS", context.plan.crs.empty() ? "none" : context.plan.crs);
   row("  points kept", s.points);
   row("  duplicates in (x, y)", s.duplicates);
@@ -375,7 +418,6 @@ std::string to_text(const RunContext& context, const Figures& f) {
   row("  components inside polygons", std::to_string(f.all.polygons.components) + ", at most " +
                                           std::to_string(f.all.polygons.max_components) + " in one");
   row("  polygons that fell back", f.all.polygons.fallbacks);
-  row("  polygons beyond the limit", f.all.polygons.limit_missed);
   row("  local minima", f.all.minima);
   out << "\nPolygons by Delaunay triangles\n";
   for (std::size_t b = 0; b < PolygonFigures::kNumSizes; ++b)
@@ -389,6 +431,19 @@ std::string to_text(const RunContext& context, const Figures& f) {
   row("  total displacement", text);
   std::snprintf(text, sizeof text, "%.3f m", static_cast<double>(f.lift_max) * unit);
   row("  largest displacement", text);
+  if (context.plan.has_reference()) {
+    out << "\nReference points\n";
+    row("  points", f.all.reference.points);
+    row("  outside the hull", f.all.reference.outside);
+    row("  at vertices", f.all.reference.at_vertices);
+    row("  largest error", short_number(errors_of(f.all).largest * unit) + " m");
+    row("  root mean square error", short_number(rms_of(context, f.all)) + " m");
+    if (context.options.triangulation.max_error_m) {
+      row("  limit", short_number(*context.options.triangulation.max_error_m) + " m");
+      row("  polygons beyond it", f.all.polygons.limit_missed);
+      row("  vertices beyond it", f.all.reference.beyond_limit);
+    }
+  }
   write_tiles(context, f, out);
   out << "\nResult\n";
   row("  fingerprint", s.fingerprint);

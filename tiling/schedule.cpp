@@ -67,7 +67,9 @@ std::uint32_t units_at_once(const RunContext& context, Phase phase) {
     return std::clamp<std::uint32_t>(static_cast<std::uint32_t>(context.options.run.memory_bytes / kFileNeed), 1,
                                      worker_count(context.options.run));
   }
-  const auto& count = context.outline.count.empty() ? context.plan.expected : context.outline.count;
+  std::vector<std::uint64_t> count = context.outline.count.empty() ? context.plan.expected : context.outline.count;
+  if (!context.outline.count.empty())
+    for (std::size_t t = 0; t < count.size(); ++t) count[t] += context.outline.reference_count[t] / kReferencePerPoint;
   const auto largest = std::max_element(count.begin(), count.end());
   return tiles_in_flight(context.options.run, *largest, static_cast<std::uint64_t>(largest - count.begin()));
 }

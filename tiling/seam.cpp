@@ -25,6 +25,7 @@ class SeamOutput {
     triangle_begin_.push_back(triangle_.size() / 3);
     for (const auto& edge : polygon.hull()) hull_edge_.insert(hull_edge_.end(), {edge[0].value, edge[1].value});
     for (const std::uint32_t v : solver.unserved()) unserved_.push_back(polygon.vertices()[v].point.value);
+    for (const std::uint32_t v : solver.servable()) servable_.push_back(polygon.vertices()[v].point.value);
     figures_.add(static_cast<std::uint32_t>(problem.delaunay.size()), problem.components);
     results_.add(result);
   }
@@ -36,13 +37,14 @@ class SeamOutput {
     out.append("point_xyz", xyz_);
     out.append("hull_edge", hull_edge_, "directed edges of the hull, as pairs of points");
     out.append("unserved", unserved_, "points that their polygon left without a lower neighbour");
+    out.append("servable", servable_, "points with an admissible edge down inside a polygon, under a limit on errors");
     write_figures(out, figures_);
     results_.write(out);
   }
 
  private:
   std::unordered_map<std::uint64_t, std::uint32_t> number_;
-  std::vector<std::uint64_t> point_, hull_edge_, triangle_begin_{0}, unserved_;
+  std::vector<std::uint64_t> point_, hull_edge_, triangle_begin_{0}, unserved_, servable_;
   std::vector<std::int32_t> xyz_;
   std::vector<std::uint32_t> triangle_;
   PolygonFigures figures_;  // form only: answers may change
@@ -53,7 +55,7 @@ class SeamOutput {
 
 void solve_seams(const RunContext& context, std::uint32_t tile) {
   SeamList seams(context, tile);
-  PolygonSolver solver(polygon_options(context.options));
+  PolygonSolver solver(polygon_options(context));
   SeamPolygon polygon;
   SeamOutput output;
   std::vector<std::array<std::uint32_t, 3>> answer;

@@ -23,6 +23,7 @@ void SeamPolygon::clear() {
   met_.clear();
   others_.clear();
   others_order_.clear();
+  reference_.clear();
   hull_.clear();
 }
 
@@ -39,6 +40,10 @@ void SeamPolygon::add(const Piece& piece) {
     }
     wants_[found->second] |= piece.wants_lower[i];
     local.push_back(found->second);
+  }
+  for (ReferencePoint p : piece.reference) {
+    p.triangle += static_cast<std::uint32_t>(delaunay_.size());
+    reference_.push_back(p);
   }
   for (const auto& t : piece.delaunay) delaunay_.push_back({local[t[0]], local[t[1]], local[t[2]]});
   fixed_.insert(fixed_.end(), piece.fixed.begin(), piece.fixed.end());
@@ -66,7 +71,7 @@ PolygonProblem SeamPolygon::problem() {
     others_.push_back(triangle);
     others_order_.push_back(order);
   }
-  return {position_, height_, wants_, delaunay_, fixed_, others_, others_order_, num_components()};
+  return {position_, height_, wants_, delaunay_, fixed_, others_, others_order_, num_components(), reference_};
 }
 
 std::uint32_t SeamPolygon::num_components() const {

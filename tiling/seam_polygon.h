@@ -40,6 +40,7 @@ class SeamPolygon {
   std::vector<std::uint8_t> wants_, fixed_, others_order_;
   std::vector<std::pair<std::array<std::uint32_t, 3>, std::uint8_t>> met_;  // others, as the pieces list them
   std::vector<std::array<std::uint32_t, 3>> delaunay_, others_;
+  std::vector<ReferencePoint> reference_;
   std::vector<std::array<PointId, 2>> hull_;
 };
 

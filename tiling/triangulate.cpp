@@ -9,6 +9,7 @@
 #include "phases.h"
 #include "pieces.h"
 #include "polygon_figures.h"
+#include "tile_reference.h"
 
 namespace hydrotin {
 namespace {
@@ -26,7 +27,8 @@ double initial_halo(const Outline& outline, std::uint32_t tile, int k) {
 // The tile's polygons, with everything that solving them needs.
 class TilePolygons {
  public:
-  TilePolygons(const CertifiedTile& tile, std::span<const std::int32_t> height, int k, const Objectives& objectives)
+  TilePolygons(const CertifiedTile& tile, std::span<const std::int32_t> height, int k, const Objectives& objectives,
+               const TileReference* reference)
       : tile_(tile),
         tri_(tile.triangulation.view()),
         crossings_(find_crossings(tri_, tile.edges)),
@@ -36,9 +38,10 @@ class TilePolygons {
     distribute();
     const bool by_minima = counts_minima(objectives);
     if (by_minima) assignment_ = assign_minima(tri_, tile.links, tile.edges, crossings_, height);
-    choose(height, objectives);
+    choose(height, objectives, reference != nullptr);
     source_ = std::make_unique<PolygonSource>(PolygonSource{tri_, height, crossings_, subdivision_, triangles_,
-                                                            candidates_, by_minima ? &assignment_ : nullptr});
+                                                            candidates_, by_minima ? &assignment_ : nullptr,
+                                                            reference ? &reference->location : nullptr});
   }
 
   [[nodiscard]] const PolygonSource& source() const { return *source_; }
@@ -70,7 +73,11 @@ class TilePolygons {
     return joined;
   }
 
-  void choose(std::span<const std::int32_t> height, const Objectives& objectives) {
+  void choose(std::span<const std::int32_t> height, const Objectives& objectives, bool has_reference) {
+    if (has_reference) {  // errors are measured everywhere, and may exceed the limit in single triangles
+      to_solve_.assign(subdivision_.size(), 1);
+      return;
+    }
     if (objectives.size() == 1) {
       to_solve_ = polygons_to_solve(tri_, tile_.links, height, crossings_, subdivision_, objectives.front(),
                                     counts_minima(objectives) ? &assignment_ : nullptr);
@@ -135,11 +142,13 @@ struct Answers {
   std::vector<std::uint64_t> begin{0};  // first triangle of each
   std::vector<std::array<VertexId, 3>> triangle;
   ResultTable result;
-  std::vector<VertexId> unserved;  // vertices that their polygon left without a lower neighbour
+  std::vector<VertexId> unserved;      // vertices that their polygon left without a lower neighbour
+  std::vector<std::uint8_t> servable;  // [n] 1: with an admissible edge down inside a polygon, under a limit on errors
 };
 
 Answers solve_complete(const TilePolygons& polygons, PolygonExtractor& extractor, const PolygonOptions& options) {
   Answers out;
+  out.servable.resize(polygons.source().height.size());
   PolygonSolver solver(options);
   std::vector<std::array<std::uint32_t, 3>> answer;
   for (std::uint32_t f = 0; f < polygons.subdivision().size(); ++f) {
@@ -149,6 +158,7 @@ Answers solve_complete(const TilePolygons& polygons, PolygonExtractor& extractor
     const auto vertex = extractor.vertices();
     for (const auto& t : answer) out.triangle.push_back({vertex[t[0]], vertex[t[1]], vertex[t[2]]});
     for (const std::uint32_t v : solver.unserved()) out.unserved.push_back(vertex[v]);
+    for (const std::uint32_t v : solver.servable()) out.servable[vertex[v].value] = 1;
     out.polygon.push_back(f);
     out.begin.push_back(out.triangle.size());
     out.result.add(result);
@@ -181,12 +191,12 @@ std::vector<std::uint8_t> contested_polygons(const TilePolygons& polygons, const
 class TileOutput {
  public:
   TileOutput(const Neighborhood& around, const CertifiedTile& tile, const TilePolygons& polygons,
-             const PipelineOptions& options)
+             PolygonOptions options)
       : around_(around),
         tri_(tile.triangulation.view()),
         tile_(tile),
         polygons_(polygons),
-        options_(polygon_options(options)),
+        options_(std::move(options)),
         foreign_number_(around.position().size() - around.num_own(), kUnused) {}
 
   void solve() {
@@ -194,6 +204,7 @@ class TileOutput {
     PolygonExtractor extractor(polygons_.source());
     const Answers answers = solve_complete(polygons_, extractor, options_);
     for (const VertexId v : answers.unserved) unserved_.push_back(around_.point()[v.value].value);
+    list_servable(answers.servable);
     const auto contested = contested_polygons(polygons_, tile_.links, answers.unserved);
     piece_of_.assign(subdivision.size(), kUnused);
     std::size_t solved = 0;
@@ -223,6 +234,8 @@ class TileOutput {
     out.append("foreign_xyz", foreign_xyz_);
     out.append("hull_edge", hull_edge_, "directed edges of the hull at these triangles, as pairs of points");
     out.append("unserved", unserved_, "points that their polygon left without a lower neighbour");
+    out.append("servable", servable_, "points of other tiles with an admissible edge down, under a limit on errors");
+    out.append("doubtful", doubtful_, "own points that need another tile's polygons to have one");
     pieces_.write(out);
     write_figures(out, figures_);
     out.set("useful_edges", useful_edges_);
@@ -235,6 +248,16 @@ class TileOutput {
 
  private:
   static constexpr std::uint32_t kUnused = static_cast<std::uint32_t>(-1);
+
+  void list_servable(const std::vector<std::uint8_t>& servable) {
+    if (!options_.max_error || polygons_.assignment().fate.empty()) return;
+    for (std::uint32_t v = 0; v < servable.size(); ++v) {
+      const bool is_own = v < around_.num_own();
+      if (!is_own && servable[v]) servable_.push_back(around_.point()[v].value);
+      if (is_own && !servable[v] && polygons_.assignment().fate[v] == MinimumFate::assigned)
+        doubtful_.push_back(around_.point()[v].value);
+    }
+  }
 
   void keep(const Answers& answers, std::size_t number) {
     for (std::uint64_t t = answers.begin[number]; t < answers.begin[number + 1]; ++t)
@@ -279,6 +302,7 @@ class TileOutput {
     out.delaunay.assign(problem.delaunay.begin(), problem.delaunay.end());
     out.fixed.assign(problem.fixed.begin(), problem.fixed.end());
     out.others.assign(problem.others.begin(), problem.others.end());
+    out.reference.assign(problem.reference.begin(), problem.reference.end());
     out.others_order.assign(problem.others_order.begin(), problem.others_order.end());
     return out;
   }
@@ -325,7 +349,7 @@ class TileOutput {
   const TilePolygons& polygons_;
   PolygonOptions options_;
   std::vector<std::uint32_t> foreign_number_, triangle_, piece_of_;
-  std::vector<std::uint64_t> foreign_point_, hull_edge_, unserved_;
+  std::vector<std::uint64_t> foreign_point_, hull_edge_, unserved_, servable_, doubtful_;
   std::vector<std::int32_t> foreign_xyz_;
   PieceWriter pieces_;
   PolygonFigures figures_;
@@ -338,12 +362,19 @@ void triangulate_tile(const RunContext& context, std::uint32_t tile) {
   const int k = context.options.triangulation.order;
   Neighborhood around(context, tile, initial_halo(context.outline, tile, k));
   const CertifiedTile certified = certify(around, k);
-  const TilePolygons polygons(certified, around.height(), k, context.options.triangulation.objectives);
-  TileOutput output(around, certified, polygons, context.options);
+  const PolygonOptions solving = polygon_options(context);
+  TileReference reference;
+  const bool has_reference = context.plan.has_reference();
+  if (has_reference)
+    reference = read_tile_reference(context, tile, certified, around.height(),
+                                    solving.max_error ? &*solving.max_error : nullptr);
+  const TilePolygons polygons(certified, around.height(), k, solving.objectives, has_reference ? &reference : nullptr);
+  TileOutput output(around, certified, polygons, solving);
   output.solve();
   store::Writer out(context.layout.unit(Phase::triangulate, tile));
   out.set("recipe", context.recipe(Phase::triangulate));
   output.write(out);
+  write_reference_figures(out, reference);
   out.commit();
 }
 

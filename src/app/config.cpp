@@ -190,24 +190,43 @@ void read_output(const Reader& output, const std::filesystem::path& folder, Outp
   }
 }
 
-void read_triangulation(const Reader& triangulation, TriangulationOptions& options) {
-  triangulation.require_keys({"order", "objective"});
+// The objectives that some run can have.
+std::string possible_objectives() {
+  std::string out;
+  TriangulationOptions options;
+  options.reference = {"any"};
+  for (std::size_t i = 0; i < kObjectiveNames.size(); ++i) {
+    options.objectives = {static_cast<Objective>(i)};
+    if (!objection_to_run(options)) out += (out.empty() ? "" : ", ") + std::string(kObjectiveNames[i]);
+  }
+  return out + "; or a list of them by priority";
+}
+
+void read_triangulation(const Reader& triangulation, const std::filesystem::path& folder,
+                        TriangulationOptions& options) {
+  triangulation.require_keys({"order", "objective", "reference", "max_error_m"});
   if (const Reader order = triangulation.at("order"); order.is_given())
     options.order = static_cast<int>(order.integer(0, 6));
+  const Reader reference = triangulation.at("reference");
+  if (reference.is_given()) {
+    const std::string patterns = "a list of LAS or LAZ files or patterns";
+    for (const Reader& item : reference.list(patterns))
+      options.reference.push_back(resolved(folder, item.text(patterns)));
+  }
+  if (const Reader limit = triangulation.at("max_error_m"); limit.is_given()) {
+    options.max_error_m = limit.real(0, 1e6, "a height in metres from 0 to 1000000");
+    if (options.reference.empty())
+      fail(limit.place(), limit.name() + ": errors are those of reference points (give triangulation.reference)");
+  }
   if (const Reader objective = triangulation.at("objective"); objective.is_given()) {
-    std::string allowed;
-    for (std::size_t i = 0; i < kObjectiveNames.size(); ++i)
-      if (!objection_to_run({static_cast<Objective>(i)}))
-        allowed += (allowed.empty() ? "" : ", ") + std::string(kObjectiveNames[i]);
-    allowed += "; or a list of them by priority";
+    const std::string allowed = possible_objectives();
     options.objectives.clear();
     for (const Reader& item : objective.list(allowed)) {
       const auto known = objective_named(item.text(allowed));
       if (!known) item.refuse(allowed);
       options.objectives.push_back(*known);
     }
-    if (const auto objection = objection_to_run(options.objectives))
-      fail(objective.place(), objective.name() + ": " + *objection);
+    if (const auto objection = objection_to_run(options)) fail(objective.place(), objective.name() + ": " + *objection);
   }
 }
 
@@ -277,7 +296,7 @@ PipelineOptions read_config(const std::filesystem::path& path, std::span<const C
   tiles.require_keys({"target_points"});
   if (const Reader target = tiles.at("target_points"); target.is_given())
     options.tiles.target_points = target.integer(1000, 1'000'000'000);
-  read_triangulation(root.at("triangulation"), options.triangulation);
+  read_triangulation(root.at("triangulation"), folder, options.triangulation);
   read_pits(root.at("pits"), options.pits);
   read_run(root.at("run"), folder, options.run);
   return options;

@@ -456,8 +456,12 @@ struct PolygonSolver::Impl {
 
   void add_delaunay_errors(PolygonResult& result) const {
     const ErrorLimit* limit = options.max_error ? &*options.max_error : nullptr;
-    for (const ReferencePoint& p : problem->reference)
-      result.error.add(distance_from(p, problem->delaunay[p.triangle]), limit);
+    // In an order of their own, because sums are rounded.
+    std::vector<ReferencePoint> points(problem->reference.begin(), problem->reference.end());
+    std::sort(points.begin(), points.end(), [](const ReferencePoint& p, const ReferencePoint& q) {
+      return std::pair{p.position, p.height} < std::pair{q.position, q.height};
+    });
+    for (const ReferencePoint& p : points) result.error.add(distance_from(p, problem->delaunay[p.triangle]), limit);
   }
 
   // By triangles in (x, y) order, because sums are rounded.

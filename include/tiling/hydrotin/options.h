@@ -49,6 +49,9 @@ struct TileOptions {
 struct TriangulationOptions {
   int order = 2;                                   ///< 0..6
   Objectives objectives{Objective::local_minima};  ///< by priority; see objection_to_run
+  std::vector<std::string> reference;  ///< LAS/LAZ files as in InputOptions::points, of points that are no vertices:
+                                       ///< vertical errors are measured against them
+  std::optional<double> max_error_m;   ///< limit on these errors, in the unit of z; none: no limit
 };
 
 struct PitOptions {
@@ -71,9 +74,9 @@ struct PipelineOptions {
   ExecutionOptions run;
 };
 
-/// Why a run cannot optimise a list of objectives, or nothing if it can: every list of decomposable objectives and
-/// local-minima is possible. What looks at neighbouring polygons (degrees, pairs of triangles) or at reference points
-/// is for point sets in memory.
-[[nodiscard]] std::optional<std::string> objection_to_run(const Objectives& objectives);
+/// Why a run cannot optimise what is asked, or nothing if it can: every list of decomposable objectives and
+/// local-minima is possible. What looks at neighbouring polygons (degrees, pairs of triangles) is for point sets in
+/// memory; errors need reference points.
+[[nodiscard]] std::optional<std::string> objection_to_run(const TriangulationOptions& options);
 
 }  // namespace hydrotin

@@ -1,35 +1,25 @@
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "hydrotin/mesh.h"
 #include "oracle/full_river_program.h"
+#include "program_call.h"
 #include "river_terrains.h"
-#include "temporary_folder.h"
 
 namespace hydrotin {
 namespace {
 
 using nlohmann::json;
+using testing::Outcome;
 using testing::read_text;
 using testing::TemporaryFolder;
 using testing::TestTerrain;
 using testing::write_text;
 
-struct Outcome {
-  int code = -1;
-  std::string out, err;
-};
-
-Outcome call(const TemporaryFolder& folder, const std::string& arguments) {
-  const auto out = folder / "stdout", err = folder / "stderr";
-  const std::string command = "cd '" + folder.path().string() + "' && '" HYDROTIN_PROGRAM "' embed " + arguments +
-                              " >'" + out.string() + "' 2>'" + err.string() + "' </dev/null";
-  const int status = std::system(command.c_str());
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_text(out), read_text(err)};
+Outcome embed(const TemporaryFolder& folder, const std::string& arguments) {
+  return testing::call(folder, "embed " + arguments);
 }
 
 void write_files(const TemporaryFolder& folder, const TestTerrain& terrain) {
@@ -65,7 +55,7 @@ TEST(EmbedCommand, Json_IsTheOptimumOfTheThesis) {
                                                                        {"--variant VF --method dp", only}};
   for (const auto& [options, constraints] : cases) {
     SCOPED_TRACE(options);
-    const Outcome outcome = call(folder, "tin.ply --river-edges rivers.csv --json --out out.ply " + options);
+    const Outcome outcome = embed(folder, "tin.ply --river-edges rivers.csv --json --out out.ply " + options);
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const json result = json::parse(outcome.out);
     const auto full = oracle::FullProgram(terrain, constraints).solve();
@@ -84,7 +74,7 @@ TEST(EmbedCommand, Json_IsTheOptimumOfTheThesis) {
     EXPECT_NEAR(total, result["objective"].get<double>(), 1e-6);
     EXPECT_NEAR(result["average_change"].get<double>() * result["vertices_moved"].get<double>(), total, 1e-4);
   }
-  const Outcome table = call(folder, "tin.ply --river-edges rivers.csv --quantum 0.01 --contiguous exact");
+  const Outcome table = embed(folder, "tin.ply --river-edges rivers.csv --quantum 0.01 --contiguous exact");
   EXPECT_EQ(table.code, 0) << table.err;
   EXPECT_NE(table.out.find("vertices moved"), std::string::npos);
 }
@@ -109,15 +99,15 @@ TEST(EmbedCommand, Lake_FromPolygonsIsLevel) {
     {"type":"Feature","properties":{},"geometry":null},
     {"type":"Feature","properties":{},"geometry":{"type":"MultiPolygon","coordinates":[
       [[[30,-1],[41,-1],[41,40],[30,40],[30,-1]],[[35,5],[45,5],[45,15],[35,15],[35,5]]]]}}]})");
-  const Outcome outcome = call(folder, "tin.ply --river-edges rivers.csv --variant VF --lakes lakes.geojson --json");
+  const Outcome outcome = embed(folder, "tin.ply --river-edges rivers.csv --variant VF --lakes lakes.geojson --json");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const json result = json::parse(outcome.out);
   EXPECT_EQ(result["broken"].size(), 0u);
   for (const std::size_t v : {3, 8, 13, 18, 23, 4, 14, 19, 24})
     EXPECT_EQ(result["heights"][v], result["heights"][3]) << v;
   EXPECT_EQ(result["heights"][9].get<double>(), terrain.height[9]);
-  EXPECT_EQ(call(folder, "tin.ply --river-edges rivers.csv --lakes none.gpkg").code, 3);
-  EXPECT_EQ(call(folder, "tin.ply --rivers lakes.geojson").code, 2);
+  EXPECT_EQ(embed(folder, "tin.ply --river-edges rivers.csv --lakes none.gpkg").code, 3);
+  EXPECT_EQ(embed(folder, "tin.ply --rivers lakes.geojson").code, 2);
 }
 
 TEST(EmbedCommand, BadInput_GetsAClearError) {
@@ -127,7 +117,7 @@ TEST(EmbedCommand, BadInput_GetsAClearError) {
   terrain.rivers = {{t[0], t[1]}, {t[1], t[2]}, {t[2], t[0]}};
   write_files(folder, terrain);
   const auto expect = [&](const std::string& arguments, int code, const std::string& words) {
-    const Outcome outcome = call(folder, arguments);
+    const Outcome outcome = embed(folder, arguments);
     EXPECT_EQ(outcome.code, code) << arguments << "\n" << outcome.err;
     EXPECT_NE(outcome.err.find(words), std::string::npos) << arguments << "\n" << outcome.err;
     EXPECT_TRUE(outcome.out.empty());

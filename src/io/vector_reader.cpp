@@ -24,7 +24,8 @@ using Transformation = std::unique_ptr<std::remove_pointer_t<OGRCoordinateTransf
 using Feature = std::unique_ptr<std::remove_pointer_t<OGRFeatureH>, decltype(&OGR_F_Destroy)>;
 using Geometry = std::unique_ptr<std::remove_pointer_t<OGRGeometryH>, decltype(&OGR_G_DestroyGeometry)>;
 
-/// The CRS a layer names; a GeoPackage without one gives a placeholder, which is none.
+/// The CRS a layer names. A GeoPackage without one is read as "Undefined Cartesian" or "Undefined geographic": that is
+/// none.
 OGRSpatialReferenceH named_reference(OGRLayerH layer) {
   OGRSpatialReferenceH reference = OGR_L_GetSpatialRef(layer);
   if (reference == nullptr) return nullptr;

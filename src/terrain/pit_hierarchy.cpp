@@ -134,8 +134,7 @@ class Hierarchy {
       pool.leader = kNone;
       return;
     }
-    PitBasin& pit = add_pit(number);
-    pit.parent = elder;  // a pool for now
+    PitBasin& pit = add_pit(number, elder);
     pit.spill_vertex = v;
     pit.spill_position = position_[v];
     pit.spill_level = level;
@@ -145,14 +144,16 @@ class Hierarchy {
   }
 
   void end_without_spill(std::uint32_t number) {
-    PitBasin& pit = add_pit(number);
+    PitBasin& pit = add_pit(number, kNone);
     pit.spill_level = kNoLevel;
     if (pools_[number].leader != kNone) price_[pools_[number].leader] = kNoPrice;
   }
 
-  PitBasin& add_pit(std::uint32_t number) {
+  // The pit at the bottom of a pool that spills into the pool `elder`.
+  PitBasin& add_pit(std::uint32_t number, std::uint32_t elder) {
     pit_of_[number] = static_cast<std::uint32_t>(pits_.size());
     bottom_pool_.push_back(number);
+    elder_pool_.push_back(elder);
     PitBasin& pit = pits_.emplace_back();
     const std::uint32_t bottom = pools_[number].bottom;
     pit.pit = {position_[bottom], bottom, height_[bottom], 0};
@@ -240,7 +241,7 @@ class Hierarchy {
     for (const std::uint32_t i : order) {
       PitBasin& pit = result.emplace_back(pits_[i]);
       pit.price = price_[bottom_pool_[i]];
-      if (pit.parent != kNone) pit.parent = place[pit_of_[pit.parent]];
+      if (elder_pool_[i] != kNone) pit.parent = place[pit_of_[elder_pool_[i]]];
       pit.pit.num_vertices = plateau_size(static_cast<std::uint32_t>(pit.pit.vertex), plateau, is_seen);
     }
     return result;
@@ -268,7 +269,7 @@ class Hierarchy {
   std::vector<std::uint32_t> parent_, pit_of_;  // [pools]
   std::vector<std::int64_t> price_;             // [pools] of the pit at the bottom
   std::vector<PitBasin> pits_;
-  std::vector<std::uint32_t> bottom_pool_;  // [pits]
+  std::vector<std::uint32_t> bottom_pool_, elder_pool_;  // [pits] its own pool, and the one it spills into
   std::vector<std::uint32_t> meeting_;
 };
 

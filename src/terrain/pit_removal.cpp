@@ -13,15 +13,8 @@
 namespace hydrotin {
 namespace {
 
-MemberReach reach_of(const RemovalOptions& options) {
-  if (options.method == RemovalMethod::lift) return MemberReach::lifted;
-  if (options.measure == ChangeMeasure::max) return MemberReach::paths;
-  const bool wide = options.method == RemovalMethod::greedy_breach ||
-                    (options.method == RemovalMethod::least_change && options.thorough);
-  return wide ? MemberReach::centers : MemberReach::paths;
-}
-
-std::vector<std::int32_t> solve(const DrainageProblem& problem, const RemovalOptions& options, Removal& result) {
+std::vector<std::int32_t> solve(const DrainageProblem& problem, const RemovalOptions& options,
+                                std::uint64_t& num_unguaranteed) {
   const SearchLimits limits{options.limits.max_depth, options.limits.max_visits};
   switch (options.method) {
     case RemovalMethod::least_change:
@@ -29,7 +22,7 @@ std::vector<std::int32_t> solve(const DrainageProblem& problem, const RemovalOpt
     case RemovalMethod::greedy_breach: {
       if (options.measure == ChangeMeasure::max) return breach_all(problem, options.measure, limits);
       GreedyBreach greedy = greedy_breach(problem, options.measure, options.limits.max_depth);
-      result.num_unguaranteed += greedy.has_guarantee ? 0 : 1;
+      num_unguaranteed += greedy.has_guarantee ? 0 : 1;
       return std::move(greedy.surface);
     }
     case RemovalMethod::breach:
@@ -67,23 +60,39 @@ std::int64_t total_cost(const ChangeableTerrain& terrain, std::span<const std::i
 
 }  // namespace
 
-Removal remove_pits(const ChangeableTerrain& terrain, const RemovalOptions& options) {
-  Removal result;
-  PitComponents components = find_pit_components(terrain, reach_of(options), options.measure, options.limits);
-  result.height.assign(terrain.height.begin(), terrain.height.end());
+MemberReach reach_of(const RemovalOptions& options) {
+  if (options.method == RemovalMethod::lift) return MemberReach::lifted;
+  if (options.measure == ChangeMeasure::max) return MemberReach::paths;
+  const bool wide = options.method == RemovalMethod::greedy_breach ||
+                    (options.method == RemovalMethod::least_change && options.thorough);
+  return wide ? MemberReach::centers : MemberReach::paths;
+}
+
+std::uint64_t solve_components(const ChangeableTerrain& terrain, const PitComponents& components,
+                               const RemovalOptions& options, std::span<std::int32_t> height) {
+  assert(height.size() == terrain.height.size() && "one entry per vertex");
+  std::uint64_t num_unguaranteed = 0;
   std::vector<std::uint32_t> number(terrain.height.size(), kNoVertexNumber);
   DrainageProblem problem;
   for (std::size_t i = 0; i < components.size(); ++i) {
     const std::span<const std::uint32_t> member(components.member.data() + components.begin[i],
                                                 components.member.data() + components.begin[i + 1]);
     if (options.method == RemovalMethod::lift) {
-      for (const std::uint32_t v : member) result.height[v] = components.level[v];
+      for (const std::uint32_t v : member) height[v] = components.level[v];
       continue;
     }
     make_problem(terrain, components, i, number, problem);
-    const std::vector<std::int32_t> surface = solve(problem, options, result);
-    for (std::uint32_t j = 0; j < member.size(); ++j) result.height[member[j]] = surface[j];
+    const std::vector<std::int32_t> surface = solve(problem, options, num_unguaranteed);
+    for (std::uint32_t j = 0; j < member.size(); ++j) height[member[j]] = surface[j];
   }
+  return num_unguaranteed;
+}
+
+Removal remove_pits(const ChangeableTerrain& terrain, const RemovalOptions& options) {
+  Removal result;
+  PitComponents components = find_pit_components(terrain, reach_of(options), options.measure, options.limits);
+  result.height.assign(terrain.height.begin(), terrain.height.end());
+  result.num_unguaranteed = solve_components(terrain, components, options, result.height);
   result.cost = total_cost(terrain, result.height, options.measure);
   if (options.with_bound) {
     result.bound = bound_of(terrain, options, components, result.cost);

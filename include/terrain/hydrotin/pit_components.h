@@ -40,9 +40,9 @@ namespace hydrotin {
 /// Limits of one breach; a pit without a breach within them is lifted.
 ///
 /// `max_visits` bounds the work for terrains with deep lakes, where the search of Theorem 6.2 looks at a whole lake for
-/// each of its pits. Of the pits of a lake (a connected set of raised vertices) whose searches would look at more, the
-/// lowest is searched for to the end; the others are breached along the forest by which the flood drains the lake. The
-/// costs of these are not the least.
+/// each of its pits (lake_breaches.h). Of the pits of a lake (a connected set of raised vertices) whose searches would
+/// look at more, the lowest is searched for as far as the size of the lake allows; the others are breached along the
+/// forest by which the flood drains the lake. The costs of these are not the least.
 inline constexpr std::uint64_t kScalableVisits = 1000;  ///< for terrains of millions of pits
 struct BreachLimits {
   std::int32_t max_depth = std::numeric_limits<std::int32_t>::max();  ///< of lowering a vertex [z lattice units]
@@ -114,6 +114,35 @@ enum class MemberReach : std::uint8_t {
 /// vertex.
 [[nodiscard]] PitComponents find_pit_components(const ChangeableTerrain& terrain, MemberReach reach,
                                                 ChangeMeasure measure, const BreachLimits& limits);
+
+/// Flats outside the members that reach the rim of a part: other parts have a say. F = such flats.
+struct OpenFlats {
+  std::vector<std::uint32_t> begin;   ///< [F + 1]
+  std::vector<std::uint32_t> vertex;  ///< of flat i: vertex[begin[i] .. begin[i + 1])
+  std::vector<std::uint8_t> touches;  ///< [F] nonzero: has a neighbour in this part that is a member
+  std::vector<std::uint8_t> drains;   ///< [F] nonzero: has an outlet, or a neighbour in this part whose level is lower
+};
+
+/// Completes members by (c): makes members of the flats that touch members and do not drain. Of a part of a terrain,
+/// those that reach its rim are returned instead; they are members if some part sees them touch members and none sees
+/// them drain.
+///
+/// @param level      [n] of `lift`.
+/// @param is_rim     [n] nonzero where another part may have the vertex too; empty: nowhere.
+/// @param is_member  [n] changed.
+/// Complexity: O(n + E).
+[[nodiscard]] OpenFlats add_flats_without_descent(const ChangeableTerrain& terrain, std::span<const std::int32_t> level,
+                                                  std::span<const std::uint8_t> is_rim,
+                                                  std::span<std::uint8_t> is_member);
+
+/// Fills the lists of components: connected sets of members.
+///
+/// @param is_member   [n]
+/// @param pits        smallest vertices of the plateaus of their pits, all of them members.
+/// @param components  `begin`, `member`, `pit_begin` and `pit` are set, the others kept.
+/// Complexity: O(n + M log M).
+void collect_components(const ChangeableTerrain& terrain, std::span<const std::uint8_t> is_member,
+                        std::vector<std::uint32_t> pits, PitComponents& components);
 
 /// Cuts one component out.
 ///

@@ -61,6 +61,17 @@ struct Removal {
 /// Fails: never on data; std::bad_alloc. Preconditions are asserted.
 [[nodiscard]] Removal remove_pits(const ChangeableTerrain& terrain, const RemovalOptions& options);
 
+/// How far members are sought for a method and a measure.
+[[nodiscard]] MemberReach reach_of(const RemovalOptions& options);
+
+/// Solves components one by one: the part of `remove_pits` that moves vertices.
+///
+/// @param height  [n] in: heights; out: the members of all components at their new heights.
+/// @return        number of components that are too large for Algorithm 6.1 (see `Removal::num_unguaranteed`).
+/// Complexity: that of the method on each component.
+std::uint64_t solve_components(const ChangeableTerrain& terrain, const PitComponents& components,
+                               const RemovalOptions& options, std::span<std::int32_t> height);
+
 /// The weights of the measure `volume`: doubled area of the star of each vertex; the change of volume is a sixth of the
 /// sum of weight times displacement. At least 1.
 [[nodiscard]] std::vector<std::int64_t> star_weights(std::span<const LatticePoint> position,

@@ -16,7 +16,9 @@
 #include "hydrotin/vertex_graph.h"
 #include "mend.h"
 #include "phases.h"
+#include "schedule.h"
 #include "store.h"
+#include "tiling_fixture.h"
 
 /// Small terrains cut into the files that `spill` and the phases after it read: points owned through a k-d plan,
 /// triangles given to tiles and to either file of a tile in any way at all.
@@ -177,11 +179,15 @@ inline CutTerrain cut_terrain(const WholeTerrain& whole, const PipelineOptions& 
   return cut;
 }
 
+/// All units of the phases from `first` to `last` that the options ask for.
+inline void run_phases(const RunContext& context, Phase first, Phase last) {
+  Silent silent;
+  for (auto p = static_cast<std::size_t>(first); p <= static_cast<std::size_t>(last); ++p)
+    run_units(context, static_cast<Phase>(p), 0, 1, true, silent);
+}
+
 inline void run_parts(const RunContext& context) {
-  for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t) reduce_tile(context, t);
-  drain_tiles(context);
-  for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t) finish_tile(context, t);
-  for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t) rasterize_tile(context, t);
+  run_phases(context, Phase::spill, Phase::raster);
 }
 
 inline std::vector<std::uint8_t> outlets_of(const WholeTerrain& whole, OutletPolicy policy) {

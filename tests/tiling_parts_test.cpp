@@ -10,11 +10,12 @@
 
 #include "fingerprint.h"
 #include "hydrotin/mesh.h"
+#include "hydrotin/pit_removal.h"
 #include "hydrotin/pits.h"
 #include "hydrotin/raster.h"
 #include "hydrotin/rasterize.h"
 #include "part.h"
-#include "temporary_folder.h"
+#include "report_pits.h"
 #include "terrain_file.h"
 
 namespace hydrotin {
@@ -27,7 +28,7 @@ const Lattice kLattice{0.01, 0.001, 0.0, 0.0, 0.0, 65432100, 512345600, -20};
 
 PipelineOptions options_in(const testing::TemporaryFolder& folder) {
   PipelineOptions options;
-  options.output.dir = folder.path().string();
+  options.output.dir = folder.path();
   options.output.dem.cell_m = 0.07;
   options.output.dem.max_edge_m = 0;
   options.triangulation.order = 0;
@@ -35,9 +36,19 @@ PipelineOptions options_in(const testing::TemporaryFolder& folder) {
 }
 
 std::vector<std::int32_t> expected_heights(const WholeTerrain& whole, const PipelineOptions& options) {
-  return options.pits.method == PitMethod::none
-             ? whole.height
-             : lift(whole.graph(), whole.height, testing::outlets_of(whole, options.pits.outlets));
+  if (options.pits.method == PitMethod::none) return whole.height;
+  const VertexGraph graph = whole.graph();
+  const auto is_outlet = testing::outlets_of(whole, options.pits.outlets);
+  constexpr RemovalMethod kMethods[] = {RemovalMethod::lift, RemovalMethod::lift, RemovalMethod::breach,
+                                        RemovalMethod::greedy_breach, RemovalMethod::least_change};
+  RemovalOptions removal;
+  removal.method = kMethods[static_cast<std::size_t>(options.pits.method)];
+  removal.measure = options.pits.measure;
+  removal.limits.max_visits = kScalableVisits;
+  ChangeableTerrain terrain{&graph, whole.height, whole.position, is_outlet, {}, {}, {}};
+  const auto star = star_weights(whole.position, whole.triangle);
+  if (options.pits.measure == ChangeMeasure::volume) terrain.weight = star;
+  return remove_pits(terrain, removal).height;
 }
 
 // Final heights by vertex, from every place that states one.
@@ -96,22 +107,16 @@ void expect_same_minima(const CutTerrain& cut, const WholeTerrain& whole) {
             std::count(is_minimum.begin(), is_minimum.end(), 1));
 }
 
-void expect_same_lift_figures(const CutTerrain& cut, const WholeTerrain& whole,
-                              const std::vector<std::int32_t>& final) {
-  std::int64_t lifted = 0, total = 0, greatest = 0, got_lifted = 0, got_total = 0, got_greatest = 0;
-  for (std::size_t v = 0; v < final.size(); ++v) {
-    lifted += final[v] != whole.height[v];
-    total += final[v] - whole.height[v];
-    greatest = std::max<std::int64_t>(greatest, final[v] - whole.height[v]);
-  }
-  const auto add = [&](const store::Reader& in, const std::string& where) {
-    got_lifted += in.integer(where + "_lifted");
-    got_total += in.integer(where + "_lift_total");
-    got_greatest = std::max(got_greatest, in.integer(where + "_lift_max"));
-  };
-  add(store::Reader(cut.context.layout.unit(Phase::drain, 0)), "rim");
-  for (std::uint32_t t = 0; t < cut.owned.size(); ++t) add(store::Reader(cut.context.layout.terrain(t)), "inner");
-  EXPECT_EQ(std::tuple(got_lifted, got_total, got_greatest), std::tuple(lifted, total, greatest));
+void expect_same_change_figures(const CutTerrain& cut, const WholeTerrain& whole,
+                                const std::vector<std::int32_t>& final) {
+  ChangeFigures expected;
+  const auto star = star_weights(whole.position, whole.triangle);
+  for (std::size_t v = 0; v < final.size(); ++v) expected.add(final[v] - whole.height[v], star[v]);
+  const ChangeFigures got = collect_pit_figures(cut.context).change;
+  EXPECT_EQ(std::tuple(got.raised, got.lowered, got.raise_total, got.lower_total, got.raise_max, got.lower_max),
+            std::tuple(expected.raised, expected.lowered, expected.raise_total, expected.lower_total,
+                       expected.raise_max, expected.lower_max));
+  EXPECT_EQ(got.volume, expected.volume);
 }
 
 using Corners = std::array<Fingerprint::Corner, 3>;
@@ -207,7 +212,7 @@ void expect_same_as_whole(const WholeTerrain& whole, const PipelineOptions& opti
   for (std::size_t v = 0; v < final.size(); ++v) EXPECT_EQ(stated[v], std::set{final[v]});
   expect_same_pits(cut, whole);
   expect_same_minima(cut, whole);
-  expect_same_lift_figures(cut, whole, final);
+  expect_same_change_figures(cut, whole, final);
   expect_same_triangles(cut, whole, final);
   expect_same_raster(cut, whole, final);
 }
@@ -224,9 +229,11 @@ TEST(TilingParts, EveryTilingGivesTheTerrainOfTheWhole) {
         const testing::TemporaryFolder folder;
         PipelineOptions options = options_in(folder);
         options.pits.outlets = cases % 2 == 0 ? OutletPolicy::hull : OutletPolicy::lowest;
-        if (cases % 5 == 4) options.pits.method = PitMethod::none;
+        options.pits.method = static_cast<PitMethod>(cases % 5);
+        options.pits.measure = static_cast<ChangeMeasure>(cases / 5 % 4);
         if (cases % 3 == 2) options.output.dem.max_edge_m = 0.12;
         options.output.mesh_ply = cases % 4 != 3;
+        SCOPED_TRACE("method " + std::to_string(cases % 5) + " measure " + std::to_string(cases / 5 % 4));
         expect_same_as_whole(whole, options, seed + static_cast<std::uint64_t>(depth), depth);
         ++cases;
       }
@@ -239,7 +246,7 @@ TEST(TilingParts, SameBytesWhateverTheOrderOfTrianglesInTheFiles) {
   const testing::TemporaryFolder folder;
   const CutTerrain cut = testing::cut_terrain(whole, options_in(folder), kLattice, 4, 2);
   testing::run_parts(cut.context);
-  const std::string before = testing::read_text(cut.context.layout.terrain(0));
+  const std::string before = testing::bytes_of(cut.context.layout.terrain(0));
   // All triangles of tile 0 in its seam file, in reverse.
   const Part part = load_part(cut.context, 0);
   std::vector<std::uint32_t> triangle;
@@ -249,7 +256,7 @@ TEST(TilingParts, SameBytesWhateverTheOrderOfTrianglesInTheFiles) {
   testing::write_triangle_file(cut, whole, 0, Phase::triangulate, {});
   testing::write_triangle_file(cut, whole, 0, Phase::seam, triangle);
   testing::run_parts(cut.context);
-  EXPECT_EQ(testing::read_text(cut.context.layout.terrain(0)), before);
+  EXPECT_EQ(testing::bytes_of(cut.context.layout.terrain(0)), before);
 }
 
 TEST(TilingParts, DisabledDemLeavesTheMarkerOnly) {

@@ -32,12 +32,13 @@ RimLevels levels_of_all(const RunContext& context) {
 // What all parts know together of the rim vertices.
 struct RimFacts {
   std::vector<std::int32_t> height;
-  std::vector<std::uint8_t> has_lower;
+  std::vector<std::uint8_t> has_lower, is_outlet;
 };
 
 // Writes each tile's slice of the levels.
 RimFacts write_slices(const RunContext& context, const RimLevels& levels, store::Writer& out) {
-  RimFacts facts{std::vector<std::int32_t>(levels.vertex.size()), std::vector<std::uint8_t>(levels.vertex.size(), 0)};
+  RimFacts facts{std::vector<std::int32_t>(levels.vertex.size()), std::vector<std::uint8_t>(levels.vertex.size(), 0),
+                 std::vector<std::uint8_t>(levels.vertex.size(), 0)};
   std::vector<std::uint64_t> begin{0};
   std::vector<std::uint8_t> is_met(levels.vertex.size(), 0);
   for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t) {
@@ -45,7 +46,8 @@ RimFacts write_slices(const RunContext& context, const RimLevels& levels, store:
     const auto rim = in.read<std::uint64_t>("rim");
     const auto height = in.read<std::int32_t>("rim_height");
     const auto has_lower = in.read<std::uint8_t>("rim_has_lower");
-    if (height.size() != rim.size() || has_lower.size() != rim.size())
+    const auto is_outlet = in.read<std::uint8_t>("rim_outlet");
+    if (height.size() != rim.size() || has_lower.size() != rim.size() || is_outlet.size() != rim.size())
       throw Error(ErrorKind::storage, in.path() + ": its rim arrays differ in length; delete the file and run again");
     for (const std::uint64_t id : rim)
       if (PointId(id).tile() >= context.plan.num_tiles())
@@ -64,9 +66,20 @@ RimFacts write_slices(const RunContext& context, const RimLevels& levels, store:
       is_met[v] = 1;
       facts.height[v] = height[i];
       facts.has_lower[v] |= has_lower[i];
+      facts.is_outlet[v] |= is_outlet[i];
     }
     begin.push_back(begin.back() + rim.size());
     out.append("rim_level", slice, "z lattice: final level of each entry of the tile's `rim`");
+  }
+  // Outlets once more, as all parts know them together.
+  for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t) {
+    std::vector<std::uint8_t> slice;
+    auto at = levels.vertex.begin();
+    for (const std::uint64_t id : open_spill(context, t).read<std::uint64_t>("rim")) {
+      at = std::lower_bound(at, levels.vertex.end(), id);
+      slice.push_back(facts.is_outlet[static_cast<std::size_t>(at - levels.vertex.begin())]);
+    }
+    out.append("rim_outlet", slice, "1: an outlet, for each entry of the tile's `rim`");
   }
   std::vector<std::uint64_t> rim_minima(context.plan.num_tiles());
   for (std::size_t v = 0; v < levels.vertex.size(); ++v)
@@ -76,7 +89,7 @@ RimFacts write_slices(const RunContext& context, const RimLevels& levels, store:
   return facts;
 }
 
-void set_lift_figures(const RunContext& context, const RimLevels& levels, const RimFacts& facts, store::Writer& out) {
+void set_lift_figures(const RimLevels& levels, const RimFacts& facts, store::Writer& out) {
   std::int64_t lifted = 0, total = 0, greatest = 0;
   for (std::size_t v = 0; v < levels.vertex.size(); ++v) {
     const std::int64_t rise = std::int64_t{levels.level[v]} - facts.height[v];
@@ -84,10 +97,9 @@ void set_lift_figures(const RunContext& context, const RimLevels& levels, const 
     total += rise;
     greatest = std::max(greatest, rise);
   }
-  const bool is_applied = context.options.pits.method == PitMethod::lift;
-  out.set("rim_lifted", is_applied ? lifted : 0);
-  out.set("rim_lift_total", is_applied ? total : 0);
-  out.set("rim_lift_max", is_applied ? greatest : 0);
+  out.set("rim_lifted", lifted);
+  out.set("rim_lift_total", total);
+  out.set("rim_lift_max", greatest);
 }
 
 // Pits that reach across tiles. All vertices of a plateau share one level, so any rim vertex of it tells it.
@@ -130,8 +142,12 @@ void drain_tiles(const RunContext& context) {
   store::Writer out(context.layout.unit(Phase::drain, 0));
   out.set("recipe", context.recipe(Phase::drain));
   const RimFacts facts = write_slices(context, levels, out);
-  set_lift_figures(context, levels, facts, out);
+  set_lift_figures(levels, facts, out);
   out.set("pits_before", static_cast<std::int64_t>(write_shared_pits(context, levels, out)));
+  std::int64_t lowest_outlet = kNoLevel;
+  for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t)
+    lowest_outlet = std::min(lowest_outlet, open_spill(context, t).integer("lowest_outlet"));
+  out.set("lowest_outlet", lowest_outlet);
   std::int64_t minima = std::count(facts.has_lower.begin(), facts.has_lower.end(), std::uint8_t{0});
   std::vector<std::int32_t> bounds;
   for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t) {

@@ -3,45 +3,17 @@
 #include <limits>
 
 #include "fingerprint.h"
-#include "hydrotin/lifting.h"
 #include "hydrotin/mesh.h"
 #include "leftovers.h"
 #include "part.h"
 #include "phases.h"
 #include "reduced_store.h"
+#include "settled_heights.h"
+#include "surface.h"
 #include "terrain_file.h"
 
 namespace hydrotin {
 namespace {
-
-// The tile's slice of the levels, checked to be aligned with the part's rim.
-std::vector<std::int32_t> rim_levels(const RunContext& context, std::uint32_t tile, const Part& part,
-                                     std::span<const std::uint32_t> rim) {
-  const store::Reader in(context.layout.unit(Phase::drain, 0));
-  const auto begin = in.read_range<std::uint64_t>("rim_begin", tile, 2);
-  const auto known = store::Reader(context.layout.unit(Phase::spill, tile)).read<std::uint64_t>("rim");
-  const bool fits = begin[0] <= begin[1] && begin[1] - begin[0] == rim.size() && known.size() == rim.size() &&
-                    std::equal(rim.begin(), rim.end(), known.begin(),
-                               [&](std::uint32_t v, std::uint64_t id) { return part.point[v] == id; });
-  if (!fits)
-    throw Error(ErrorKind::storage, in.path() + ": its levels are not those of the rim of tile " +
-                                        std::to_string(tile) +
-                                        "; delete the scratch folder's spill and drain and run again");
-  return in.read_range<std::int32_t>("rim_level", begin[0], rim.size());
-}
-
-std::vector<std::int32_t> levels_of(const RunContext& context, std::uint32_t tile, const Part& part,
-                                    std::span<const std::uint8_t> is_outlet) {
-  const std::vector<std::uint32_t> rim = part.rim();
-  const std::vector<std::int32_t> rim_level = rim_levels(context, tile, part, rim);
-  std::vector<std::int32_t> source(part.num_vertices(), kNoLevel);
-  for (std::size_t i = 0; i < rim.size(); ++i) source[rim[i]] = rim_level[i];
-  std::vector<std::int32_t> level = lift_from(part.graph, part.height, is_outlet, source);
-  if (std::find(level.begin(), level.end(), kNoLevel) != level.end())
-    throw Error(ErrorKind::storage, context.layout.unit(Phase::triangulate, tile) +
-                                        ": some triangles are joined to no others; delete the file and run again");
-  return level;
-}
 
 std::uint64_t longest_squared(const Part& part, std::uint32_t t) {
   std::uint64_t longest = 0;
@@ -165,22 +137,11 @@ void set_figures(const RunContext& context, const Part& part, std::span<const st
   for (std::size_t i = 0; i < part.triangle.size(); i += 3)
     fingerprint.add({corner(part.triangle[i]), corner(part.triangle[i + 1]), corner(part.triangle[i + 2])});
   out.set("fingerprint", fingerprint.hex());
-  std::int64_t lifted = 0, total = 0, greatest = 0, rim = 0;
-  for (std::uint32_t v = 0; v < part.num_vertices(); ++v) {
-    rim += part.is_rim[v];
-    if (part.is_rim[v]) continue;  // shared: `drain` counts them once
-    const std::int64_t rise = std::int64_t{height[v]} - part.height[v];
-    lifted += rise > 0 ? 1 : 0;
-    total += rise;
-    greatest = std::max(greatest, rise);
-  }
+  const std::int64_t rim = std::count_if(part.is_rim.begin(), part.is_rim.end(), [](std::uint8_t f) { return f != 0; });
   out.set("points", static_cast<std::int64_t>(part.own.position.size()));
   out.set("triangles", static_cast<std::int64_t>(part.num_triangles()));
   out.set("vertices", static_cast<std::int64_t>(part.num_vertices()));
   out.set("rim_vertices", rim);
-  out.set("inner_lifted", lifted);
-  out.set("inner_lift_total", total);
-  out.set("inner_lift_max", greatest);
   out.set("order", std::int64_t{context.options.triangulation.order});
   out.set("outlets", std::string(context.options.pits.outlets == OutletPolicy::hull ? "hull" : "lowest"));
   out.set("pits_removed", std::int64_t{context.options.pits.method != PitMethod::none});
@@ -192,9 +153,8 @@ void set_figures(const RunContext& context, const Part& part, std::span<const st
 
 void finish_tile(const RunContext& context, std::uint32_t tile) {
   const Part part = load_part(context, tile);
-  const std::vector<std::uint8_t> is_outlet = outlet_flags(context, part);
-  const std::vector<std::int32_t> level = levels_of(context, tile, part, is_outlet);
-  const std::vector<std::int32_t>& height = context.options.pits.method == PitMethod::lift ? level : part.height;
+  const auto [level, is_outlet] = levels_of(context, tile, part);
+  const std::vector<std::int32_t> height = settled_heights(context, tile, part);
   // The mesh first: the terrain file under its final name says that the unit is complete.
   if (context.options.output.mesh_ply && part.num_triangles() > 0)
     write_mesh(context, tile, part, height);

@@ -118,7 +118,7 @@ PlanSummary plan_run(const PipelineOptions& options) {
   out.disk_bytes = static_cast<std::uint64_t>(kBytesPerPoint * points);
   out.seconds = kSecondsPerPoint * points / worker_count(options.run);
   out.crs = plan.crs;
-  for (std::size_t p = 0; p < kNumPhases; ++p) out.units.push_back(num_units(plan, static_cast<Phase>(p)));
+  for (std::size_t p = 0; p < kNumPhases; ++p) out.units.push_back(num_units(context, static_cast<Phase>(p)));
   return out;
 }
 
@@ -154,7 +154,7 @@ std::vector<PhaseStatus> pipeline_status(const PipelineOptions& options) {
   for (std::size_t p = 0; p < kNumPhases; ++p) {
     PhaseStatus status;
     status.phase = static_cast<Phase>(p);
-    status.units = num_units(context.plan, status.phase);
+    status.units = num_units(context, status.phase);
     const std::string recipe = p == 0 ? context.plan.recipe : context.recipe(status.phase);
     for (std::uint64_t unit = 0; unit < status.units; ++unit) {
       const fs::path path = context.layout.unit(status.phase, unit);

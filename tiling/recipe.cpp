@@ -23,14 +23,23 @@ std::string RecipeHash::hex() const {
 }
 
 std::string recipe(const std::string& plan_recipe, const PipelineOptions& options, Phase phase) {
-  constexpr std::int64_t kFormat = 3;
+  constexpr std::int64_t kFormat = 4;
   RecipeHash hash;
   hash.add(kFormat).add(plan_recipe).add(std::string(name(phase)));
   if (phase >= Phase::triangulate)
     hash.add(std::int64_t{options.triangulation.order}).add(name(options.triangulation.objectives));
   if (phase >= Phase::triangulate) hash.add(options.triangulation.max_error_m.value_or(-1));
+  const PitOptions& pits = options.pits;
   if (phase >= Phase::spill)
-    hash.add(static_cast<std::int64_t>(options.pits.method)).add(static_cast<std::int64_t>(options.pits.outlets));
+    hash.add(static_cast<std::int64_t>(pits.outlets))
+        .add(pits.outlet_layer)
+        .add(std::int64_t{pits.voids_drain})
+        .add(pits.voids_drain ? pits.void_edge_m : 0);
+  if (phase >= Phase::pools)
+    hash.add(static_cast<std::int64_t>(pits.method))
+        .add(static_cast<std::int64_t>(pits.measure))
+        .add(pits.max_breach_length_m.value_or(-1))
+        .add(pits.max_breach_depth_m.value_or(-1));
   if (phase >= Phase::finish) hash.add(std::int64_t{options.output.mesh_ply});
   if (phase >= Phase::raster)
     hash.add(std::int64_t{options.output.dem.enabled})

@@ -19,6 +19,7 @@
 #include "part_value.h"
 #include "polygon_figures.h"
 #include "reduced_store.h"
+#include "report_pits.h"
 #include "schedule.h"
 #include "terrain_file.h"
 #include "tile_reference.h"
@@ -78,7 +79,7 @@ struct Figures {
   std::vector<TriangulationFigures> tile;
   TriangulationFigures all;
   std::vector<PitRow> pits;  // before lifting
-  std::int64_t lifted = 0, lift_total = 0, lift_max = 0;
+  PitFigures pit;
 };
 
 void add_pits(const store::Reader& in, std::vector<PitRow>& rows) {
@@ -184,17 +185,14 @@ Figures collect(const RunContext& context) {
     f.all.add(f.tile[t]);
     f.summary.pits += read_pits(terrain, "final_").size();
     open.push_back(read_open_plateaus(terrain, "final_"));
-    f.lifted += terrain.integer("inner_lifted");
-    f.lift_total += terrain.integer("inner_lift_total");
-    f.lift_max = std::max(f.lift_max, terrain.integer("inner_lift_max"));
   }
   f.summary.pits += resolve_plateaus(open).size();
   const store::Reader drain(context.layout.unit(Phase::drain, 0));
   add_pits(drain, f.pits);
   std::sort(f.pits.begin(), f.pits.end());
-  f.lifted += drain.integer("rim_lifted");
-  f.lift_total += drain.integer("rim_lift_total");
-  f.lift_max = std::max(f.lift_max, drain.integer("rim_lift_max"));
+  f.pit = collect_pit_figures(context);
+  f.pit.before = f.pits.size();
+  f.pit.left = f.summary.pits;
   DatasetSummary& s = f.summary;
   s.triangles = f.all.triangles;
   s.max_triangle_order = static_cast<int>(f.all.polygons.max_order);
@@ -234,6 +232,7 @@ void write_layers(const RunContext& context, const Figures& figures) {
                                          static_cast<std::int64_t>(p.vertices)};
     out.add_point(pits, {l.x(p.place.x), l.y(p.place.y), l.z(p.height)}, values);
   }
+  write_edit_layers(context, out);
   out.finish();
 }
 
@@ -308,7 +307,6 @@ json to_json(const RunContext& context, const TriangulationFigures& f) {
 
 json to_json(const RunContext& context, const Figures& f) {
   const DatasetSummary& s = f.summary;
-  const double unit = context.plan.lattice.scale_z;
   json triangulation = to_json(context, f.all);
   triangulation["order"] = s.order;
   triangulation["objective"] = name(context.options.triangulation.objectives);
@@ -330,11 +328,7 @@ json to_json(const RunContext& context, const Figures& f) {
           {"files", num_files(context.plan, false)},
           {"reference_files", num_files(context.plan, true)},
           {"triangulation", triangulation},
-          {"lifting",
-           {{"pits_before", f.pits.size()},
-            {"vertices_moved", f.lifted},
-            {"total_displacement_m", static_cast<double>(f.lift_total) * unit},
-            {"max_displacement_m", static_cast<double>(f.lift_max) * unit}}},
+          {"pit_removal", json::parse(pits_json(context, f.pit))},
           {"ok", s.ok},
           {"points", s.points},
           {"vertices", s.vertices},
@@ -423,14 +417,7 @@ std::string to_text(const RunContext& context, const Figures& f) {
   for (std::size_t b = 0; b < PolygonFigures::kNumSizes; ++b)
     if (f.all.polygons.sizes[b] > 0) row("  " + bucket_name(b), f.all.polygons.sizes[b]);
   out << "\nPits\n";
-  row("  before", f.pits.size());
-  row("  left", s.pits);
-  row("  vertices lifted", f.lifted);
-  char text[64];
-  std::snprintf(text, sizeof text, "%.3f m", static_cast<double>(f.lift_total) * unit);
-  row("  total displacement", text);
-  std::snprintf(text, sizeof text, "%.3f m", static_cast<double>(f.lift_max) * unit);
-  row("  largest displacement", text);
+  for (const auto& [label, value] : pit_rows(context, f.pit)) row(label, value);
   if (context.plan.has_reference()) {
     out << "\nReference points\n";
     row("  points", f.all.reference.points);

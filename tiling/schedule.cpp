@@ -17,7 +17,7 @@ namespace {
 
 bool is_single(Phase phase) {
   return phase == Phase::plan || phase == Phase::outline || phase == Phase::join || phase == Phase::mend ||
-         phase == Phase::drain || phase == Phase::report;
+         phase == Phase::drain || phase == Phase::lakes || phase == Phase::groups || phase == Phase::report;
 }
 
 void do_unit(const RunContext& context, Phase phase, std::uint32_t unit) {
@@ -42,6 +42,18 @@ void do_unit(const RunContext& context, Phase phase, std::uint32_t unit) {
       return reduce_tile(context, unit);
     case Phase::drain:
       return drain_tiles(context);
+    case Phase::pools:
+      return pool_tile(context, unit);
+    case Phase::lakes:
+      return join_lakes(context);
+    case Phase::breach:
+      return breach_lakes(context, unit);
+    case Phase::members:
+      return find_members(context, unit);
+    case Phase::groups:
+      return join_groups(context);
+    case Phase::settle:
+      return settle_groups(context, unit);
     case Phase::finish:
       return finish_tile(context, unit);
     case Phase::raster:
@@ -112,14 +124,18 @@ std::uint32_t tiles_in_flight(const ExecutionOptions& run, std::uint64_t largest
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(run.memory_bytes / need, worker_count(run)));
 }
 
-std::uint64_t num_units(const Plan& plan, Phase phase) {
+std::uint64_t num_units(const RunContext& context, Phase phase) {
+  const Plan& plan = context.plan;
+  const PitMethod method = context.options.pits.method;
+  if (phase >= Phase::pools && phase <= Phase::settle && method == PitMethod::none) return 0;
+  if ((phase == Phase::lakes || phase == Phase::breach) && method == PitMethod::lift) return 0;  // breaches nothing
   return is_single(phase) ? 1 : phase == Phase::ingest ? plan.files.size() : plan.num_tiles();
 }
 
 void run_units(const RunContext& context, Phase phase, std::uint64_t task, std::uint64_t of, bool force,
                Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
-  const std::uint64_t end = num_units(context.plan, phase);
+  const std::uint64_t end = num_units(context, phase);
   const std::string recipe = phase == Phase::plan ? context.plan.recipe : context.recipe(phase);
   std::uint64_t units = 0, work = 0;
   for (std::uint64_t unit = task; unit < end; unit += of, ++units) work += work_of(context, phase, unit);

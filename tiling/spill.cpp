@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "hydrotin/lifting.h"
 #include "part.h"
 #include "part_value.h"
 #include "phases.h"
@@ -33,11 +34,12 @@ void reduce_tile(const RunContext& context, std::uint32_t tile) {
     ++inner_minima;
     if (v >= part.num_own) foreign_minima.push_back(part.point[v]);
   }
-  std::vector<std::uint8_t> rim_has_lower;
+  std::vector<std::uint8_t> rim_has_lower, rim_outlet;
   std::vector<std::int32_t> rim_height;
   for (const std::uint32_t v : part.rim()) {
     rim_has_lower.push_back(has_lower[v]);
     rim_height.push_back(part.height[v]);
+    rim_outlet.push_back(is_outlet[v] != 0);
   }
 
   store::Writer out(context.layout.unit(Phase::spill, tile));
@@ -45,6 +47,11 @@ void reduce_tile(const RunContext& context, std::uint32_t tile) {
   write_tree(out, reduce_to_rim(part.graph, part.height, part.point, part.is_rim, is_outlet));
   out.append("rim_height", rim_height, "z lattice, as measured");
   out.append("rim_has_lower", rim_has_lower, "1: a neighbour in this part is lower by (z, x, y)");
+  out.append("rim_outlet", rim_outlet, "1: an outlet, as far as this part knows");
+  std::int64_t lowest_outlet = kNoLevel;
+  for (std::uint32_t v = 0; v < part.num_vertices(); ++v)
+    if (is_outlet[v]) lowest_outlet = std::min<std::int64_t>(lowest_outlet, part.height[v]);
+  out.set("lowest_outlet", lowest_outlet);
   write_plateaus(out, "",
                  summarize_plateaus(part.graph, part.height, part.position, is_outlet, part.point, part.is_rim));
   out.append("bounds", flatten(std::vector{part.bounds()}), "box of the triangles; min above max if there is none");

@@ -147,13 +147,22 @@ void GeoPackageWriter::add_box(int layer, double x_min, double y_min, double x_m
 }
 
 void GeoPackageWriter::add_polygon(int layer, std::span<const VectorPoint> ring, std::span<const FieldValue> values) {
-  assert(ring.size() >= 3);
+  const std::vector<VectorPoint> shell(ring.begin(), ring.end());
+  add_polygon(layer, std::span(&shell, 1), values);
+}
+
+void GeoPackageWriter::add_polygon(int layer, std::span<const std::vector<VectorPoint>> rings,
+                                   std::span<const FieldValue> values) {
+  assert(!rings.empty());
   const bool with_z = state_->layers[static_cast<std::size_t>(layer)].with_z;
   Geometry polygon = make_geometry(geometry_type(VectorGeometry::polygon, with_z));
-  Geometry shell = make_geometry(wkbLinearRing);
-  for (const auto& point : ring) append(shell.get(), point, with_z);
-  append(shell.get(), ring.front(), with_z);
-  OGR_G_AddGeometryDirectly(polygon.get(), shell.release());
+  for (const auto& ring : rings) {
+    assert(ring.size() >= 3);
+    Geometry part = make_geometry(wkbLinearRing);
+    for (const auto& point : ring) append(part.get(), point, with_z);
+    append(part.get(), ring.front(), with_z);
+    OGR_G_AddGeometryDirectly(polygon.get(), part.release());
+  }
   state_->store(layer, std::move(polygon), values);
 }
 

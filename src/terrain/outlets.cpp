@@ -6,59 +6,16 @@
 #include <numeric>
 #include <tuple>
 
+#include "boundary_walk.h"
+
 namespace hydrotin {
 namespace {
-
-__extension__ using Int128 = __int128;
-
-struct Direction {
-  std::int64_t x, y;
-};
-
-Int128 cross(Direction a, Direction b) {
-  return Int128{a.x} * b.y - Int128{a.y} * b.x;
-}
-
-/// The order of directions met when turning counter-clockwise from `from`, which itself comes last.
-struct CounterClockwiseFrom {
-  Direction from;
-
-  [[nodiscard]] int half(Direction d) const {
-    const Int128 side = cross(from, d);
-    if (side != 0) return side > 0 ? 0 : 2;
-    return Int128{from.x} * d.x + Int128{from.y} * d.y < 0 ? 1 : 3;
-  }
-  bool operator()(Direction a, Direction b) const {
-    const int p = half(a), q = half(b);
-    return p != q ? p < q : cross(a, b) > 0;
-  }
-};
 
 std::vector<std::uint32_t> sorted_by_position(std::span<const LatticePoint> position) {
   std::vector<std::uint32_t> order(position.size());
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return position[a] < position[b]; });
   return order;
-}
-
-/// For each boundary edge the next one of its walk.
-std::vector<std::uint32_t> next_on_walk(const VertexGraph& graph, std::span<const LatticePoint> position) {
-  const auto& edge = graph.boundary;
-  const auto towards = [&](std::uint32_t from, std::uint32_t to) {
-    return Direction{std::int64_t{position[to].x} - position[from].x, std::int64_t{position[to].y} - position[from].y};
-  };
-  std::vector<std::uint32_t> next(edge.size());
-  for (std::uint32_t i = 0; i < edge.size(); ++i) {
-    const std::uint32_t v = edge[i].target;
-    const auto first = std::lower_bound(edge.begin(), edge.end(), DirectedEdge{v, 0});
-    assert(first != edge.end() && first->origin == v && "boundary edges form closed walks");
-    const CounterClockwiseFrom before{towards(v, edge[i].origin)};
-    auto best = first;
-    for (auto e = first; e != edge.end() && e->origin == v; ++e)
-      if (before(towards(v, e->target), towards(v, best->target))) best = e;
-    next[i] = static_cast<std::uint32_t>(best - edge.begin());
-  }
-  return next;
 }
 
 }  // namespace
@@ -72,7 +29,7 @@ std::vector<std::uint8_t> hull_outlets(const VertexGraph& graph, std::span<const
     for (const DirectedEdge e : graph.boundary) is_outlet[e.origin] = is_outlet[e.target] = 1;
     return is_outlet;
   }
-  const std::vector<std::uint32_t> next = next_on_walk(graph, position);
+  const std::vector<std::uint32_t> next = next_on_walk(graph.boundary, position);
   std::vector<bool> is_seen(next.size());
   for (std::uint32_t seed = 0; seed < next.size(); ++seed) {
     if (is_seen[seed]) continue;

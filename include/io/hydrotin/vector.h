@@ -54,6 +54,8 @@ class GeoPackageWriter {
   void add_box(int layer, double x_min, double y_min, double x_max, double y_max, std::span<const FieldValue> values);
   /// @param ring  at least three points, first not repeated.
   void add_polygon(int layer, std::span<const VectorPoint> ring, std::span<const FieldValue> values);
+  /// The same with holes: rings after the first.
+  void add_polygon(int layer, std::span<const std::vector<VectorPoint>> rings, std::span<const FieldValue> values);
 
   /// Commits, closes and gives the file its final name. Without it nothing is left behind.
   void finish();

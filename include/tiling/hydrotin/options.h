@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "hydrotin/drainage_problem.h"
 #include "hydrotin/objective.h"
 
 /// What a run is asked to do: the checked content of a config, with the defaults that suit classified ground LiDAR in
@@ -13,10 +14,11 @@
 namespace hydrotin {
 
 enum class OutletPolicy : std::uint8_t {
-  hull,   ///< water may leave at the edge of the data
-  lowest  ///< only at the one lowest vertex (ties by (x, y))
+  hull,    ///< water may leave at the edge of the data
+  lowest,  ///< only at the one lowest vertex (ties by (x, y))
+  layer    ///< at the features of a file: PitOptions::outlet_layer
 };
-enum class PitMethod : std::uint8_t { none, lift };
+enum class PitMethod : std::uint8_t { none, lift, breach, greedy_breach, least_change };
 enum class KeepWork : std::uint8_t { never, on_failure, always };
 
 struct InputOptions {
@@ -54,9 +56,29 @@ struct TriangulationOptions {
   std::optional<double> max_error_m;   ///< limit on these errors, in the unit of z; none: no limit
 };
 
+/// Pits to keep, whatever the method does with the others.
+struct KeepPits {
+  std::optional<double> deeper_than_m, larger_than_m2, volume_above_m3;  ///< of the water up to the spill level
+  std::string inside;              ///< polygons: pits whose smallest vertex lies in one
+  std::vector<std::uint64_t> ids;  ///< of the layer `pits` and of pits.csv of an earlier run on the same points
+  bool all_conditions = false;     ///< true: all conditions that are given must hold; false: one is enough
+
+  [[nodiscard]] bool any() const {
+    return deeper_than_m || larger_than_m2 || volume_above_m3 || !inside.empty() || !ids.empty();
+  }
+};
+
 struct PitOptions {
-  PitMethod method = PitMethod::lift;
+  PitMethod method = PitMethod::least_change;
+  ChangeMeasure measure = ChangeMeasure::total;
+  std::optional<double> max_breach_length_m;  ///< of one breach, horizontally; none: no limit
+  std::optional<double> max_breach_depth_m;   ///< by which a vertex may be lowered; none: no limit
+  KeepPits keep;
+  std::optional<std::uint64_t> cheapest;  ///< removes only so many, those that are cheapest to lift together
   OutletPolicy outlets = OutletPolicy::hull;
+  std::string outlet_layer;  ///< points, lines or polygons
+  bool voids_drain = false;  ///< water may leave at triangles with an edge longer than `void_edge_m`
+  double void_edge_m = 100;
 };
 
 struct ExecutionOptions {

@@ -20,14 +20,20 @@ enum class Phase : std::uint8_t {
   mend,         ///< 1 unit: polygons that save local minima which others left
   spill,        ///< a unit per tile: its merge tree reduced to its rim
   drain,        ///< 1 unit: spill level of every rim vertex
+  pools,        ///< a unit per tile: levels, lakes, and the breaches of those inside
+  lakes,        ///< 1 unit: which lakes are one across tiles, and who breaches them
+  breach,       ///< a unit per tile: breaches of lakes that cross tiles or look beyond one
+  members,      ///< a unit per tile: the vertices that may move; groups of them inside the tile are solved
+  groups,       ///< 1 unit: which groups are one across tiles, and who solves them
+  settle,       ///< a unit per tile: groups that cross tiles
   finish,       ///< a unit per tile: final heights, mesh
   raster,       ///< a unit per tile: DEM
   report        ///< 1 unit: COG, hillshade, layers, figures
 };
 
-inline constexpr std::array<std::string_view, 13> kPhaseNames = {
-    "plan", "ingest", "arrange", "outline", "triangulate", "join",  "seam",
-    "mend", "spill",  "drain",   "finish",  "raster",      "report"};
+inline constexpr std::array<std::string_view, 19> kPhaseNames = {
+    "plan",  "ingest", "arrange", "outline", "triangulate", "join",   "seam",   "mend",   "spill", "drain",
+    "pools", "lakes",  "breach",  "members", "groups",      "settle", "finish", "raster", "report"};
 inline constexpr std::size_t kNumPhases = kPhaseNames.size();
 
 [[nodiscard]] constexpr std::string_view name(Phase phase) {

@@ -1,0 +1,145 @@
+#include <algorithm>
+#include <set>
+
+#include "hydrotin/lake_breaches.h"
+#include "path_members.h"
+#include "phases.h"
+#include "pit_options.h"
+#include "schedule.h"
+#include "surface.h"
+
+namespace hydrotin {
+namespace {
+
+struct OpenLake {
+  std::uint64_t seed = 0;
+  std::vector<Cell> cells;  // ascending
+};
+
+std::vector<OpenLake> read_own_lakes(const RunContext& context, std::uint32_t tile) {
+  const store::Reader in(context.layout.unit(Phase::lakes, 0));
+  const auto begin = in.read_range<std::uint64_t>("lake_begin", tile, 2);
+  const auto seed = in.read_range<std::uint64_t>("lake_seed", begin[0], begin[1] - begin[0]);
+  const auto cell_begin = in.read_range<std::uint64_t>("lake_cell_begin", begin[0], seed.size() + 1);
+  const auto cell =
+      in.read_range<std::int32_t>("lake_cell", 2 * cell_begin.front(), 2 * (cell_begin.back() - cell_begin.front()));
+  std::vector<OpenLake> out;
+  for (std::size_t i = 0; i < seed.size(); ++i) {
+    OpenLake& lake = out.emplace_back();
+    lake.seed = seed[i];
+    for (std::uint64_t c = cell_begin[i] - cell_begin[0]; c < cell_begin[i + 1] - cell_begin[0]; ++c)
+      lake.cells.emplace_back(cell[2 * c], cell[2 * c + 1]);
+  }
+  return out;
+}
+
+void sort_unique(std::vector<Cell>& cells) {
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+}
+
+// The cells with those around them, where searches go on next.
+void add_cells(const CellGrid& grid, const Surface& window, std::span<const std::uint32_t> unknown, OpenLake& lake) {
+  std::vector<Cell> found;
+  for (const std::uint32_t v : unknown) found.push_back(grid.of(window.position[v]));
+  sort_unique(found);
+  for (const Cell& c : found)
+    for (int dx = -1; dx <= 1; ++dx)
+      for (int dy = -1; dy <= 1; ++dy) lake.cells.emplace_back(c.first + dx, c.second + dy);
+  sort_unique(lake.cells);
+}
+
+// Lakes that fit in memory together, the first at least.
+std::size_t batch_of(const RunContext& context, std::span<const OpenLake> lakes, std::vector<Cell>& cells) {
+  constexpr std::uint64_t kCellBytes = 512 * CellGrid::kVertices;
+  const std::uint64_t most = std::max<std::uint64_t>(
+      context.options.run.memory_bytes / (4 * worker_count(context.options.run) * kCellBytes), 16);
+  std::set<Cell> chosen;
+  std::size_t num_lakes = 0;
+  for (const OpenLake& lake : lakes) {
+    chosen.insert(lake.cells.begin(), lake.cells.end());
+    if (num_lakes > 0 && chosen.size() > most) break;
+    ++num_lakes;
+  }
+  cells.clear();
+  for (std::size_t i = 0; i < num_lakes; ++i) cells.insert(cells.end(), lakes[i].cells.begin(), lakes[i].cells.end());
+  sort_unique(cells);
+  if (num_lakes == 1 && cells.size() * kCellBytes > context.options.run.memory_bytes) {
+    const LatticePoint corner = CellGrid(context.outline).box(cells.front()).min;
+    throw Error(ErrorKind::resource,
+                "the lake around (" + std::to_string(context.plan.lattice.x(corner.x)) + ", " +
+                    std::to_string(context.plan.lattice.y(corner.y)) + ") needs about " +
+                    std::to_string(cells.size() * kCellBytes >> 20) + " MiB, but run.memory is " +
+                    std::to_string(context.options.run.memory_bytes >> 20) +
+                    " MiB; raise run.memory, declare the lake an outlet, or use pits.method: lift");
+  }
+  return num_lakes;
+}
+
+// Answers for the lakes that know enough; returns the others with more cells.
+std::vector<OpenLake> breach_batch(const RunContext& context, std::span<const OpenLake> lakes,
+                                   std::span<const Cell> cells, PathMembers& members) {
+  const CellGrid grid(context.outline);
+  const RemovalOptions options = removal_options(context);
+  const Surface window = read_window(context, grid, cells);
+  const ChangeableSurface changeable(context, window);
+  std::vector<std::uint8_t> is_known(window.num_vertices());
+  for (std::uint32_t v = 0; v < is_known.size(); ++v)
+    is_known[v] = std::binary_search(cells.begin(), cells.end(), grid.of(window.position[v]));
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> vertex_of;
+  for (std::uint32_t v = 0; v < window.num_vertices(); ++v) vertex_of.emplace_back(window.point[v], v);
+  std::sort(vertex_of.begin(), vertex_of.end());
+  LakeBreacher breacher(changeable.view(), window.level, is_known, lowest_outlets_of(context), reach_of(options),
+                        options.measure, options.limits);
+  std::vector<OpenLake> still_open;
+  LakeBreaches found;
+  for (const OpenLake& lake : lakes) {
+    const auto at = std::lower_bound(vertex_of.begin(), vertex_of.end(), std::pair{lake.seed, std::uint32_t{0}});
+    if (at == vertex_of.end() || at->first != lake.seed)
+      throw Error(ErrorKind::storage, context.layout.unit(Phase::lakes, 0) +
+                                          ": a lake's vertex is not in its cells; delete the file and run again");
+    (void)breacher.lake_around(at->second);
+    breacher.run(found);
+    if (found.unknown.empty()) {
+      members.add(window, found);
+    } else {
+      still_open.push_back(lake);
+      add_cells(grid, window, found.unknown, still_open.back());
+    }
+  }
+  return still_open;
+}
+
+}  // namespace
+
+void breach_lakes(const RunContext& context, std::uint32_t tile) {
+  PathMembers members;
+  std::vector<OpenLake> lakes = read_own_lakes(context, tile);
+  while (!lakes.empty()) {
+    std::vector<OpenLake> next;
+    std::vector<Cell> cells;
+    for (std::size_t first = 0; first < lakes.size();) {
+      const std::size_t count = batch_of(context, std::span(lakes).subspan(first), cells);
+      for (OpenLake& lake : breach_batch(context, std::span(lakes).subspan(first, count), cells, members))
+        next.push_back(std::move(lake));
+      first += count;
+    }
+    lakes = std::move(next);
+  }
+  // What the tile's own searches found of vertices that other tiles have too is told along with it.
+  const store::Reader own(context.layout.unit(Phase::pools, tile));
+  const auto point = own.read<std::uint64_t>("point");
+  const auto rim = own.read<std::uint8_t>("rim");
+  std::vector<std::uint64_t> shared;
+  for (std::size_t v = 0; v < point.size() && v < rim.size(); ++v)
+    if (rim[v]) shared.push_back(point[v]);
+  std::sort(shared.begin(), shared.end());
+  for (const auto& member : read_path_members(own))
+    if (std::binary_search(shared.begin(), shared.end(), member.first)) members.member.push_back(member);
+  store::Writer out(context.layout.unit(Phase::breach, tile));
+  out.set("recipe", context.recipe(Phase::breach));
+  members.write(out);
+  out.commit();
+}
+
+}  // namespace hydrotin

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "hydrotin/lake_breaches.h"
+#include "phases.h"
+#include "store.h"
+#include "surface.h"
+
+/// The members that breaches add, by their points, with the figures of the lakes that were breached:
+/// `member_point` u64 [M] ascending, `member_level` i32 [M]; attributes pits, pits_unbreached.
+
+namespace hydrotin {
+
+struct PathMembers {
+  std::vector<std::pair<std::uint64_t, std::int32_t>> member;  ///< point, the lowest level of the breaches through it
+  std::int64_t num_pits = 0, num_unbreached = 0, num_unfinished = 0, dearest = 0;
+
+  void add(const Surface& surface, const LakeBreaches& found);
+  void write(store::Writer& out);
+};
+
+[[nodiscard]] std::vector<std::pair<std::uint64_t, std::int32_t>> read_path_members(const store::Reader& in);
+
+/// From `drain`.
+[[nodiscard]] OutletHeights lowest_outlets_of(const RunContext& context);
+
+}  // namespace hydrotin

@@ -54,7 +54,10 @@ TEST(Config, Defaults_SuitClassifiedGround) {
   EXPECT_EQ(options.tiles.target_points, 4'000'000U);
   EXPECT_EQ(options.triangulation.order, 2);
   EXPECT_EQ(options.triangulation.objectives, Objectives{Objective::local_minima});
-  EXPECT_EQ(options.pits.method, PitMethod::lift);
+  EXPECT_EQ(options.pits.method, PitMethod::least_change);
+  EXPECT_EQ(options.pits.measure, ChangeMeasure::total);
+  EXPECT_FALSE(options.pits.keep.any());
+  EXPECT_FALSE(options.pits.voids_drain);
   EXPECT_EQ(options.pits.outlets, OutletPolicy::hull);
   EXPECT_EQ(options.run.workers, 0);
   EXPECT_EQ(options.run.memory_bytes, std::uint64_t{4} << 30);
@@ -100,6 +103,48 @@ run: {workers: 3, memory: 500MB, scratch: /tmp/w}
   EXPECT_EQ(options.run.workers, 3);
   EXPECT_EQ(options.run.memory_bytes, 500'000'000U);
   EXPECT_EQ(options.run.scratch, "/tmp/w");
+}
+
+TEST(Config, KeysOfPits_AreRead) {
+  const TemporaryFolder folder;
+  testing::write_text(folder / "sea.gpkg", "only its name matters here");
+  const PitOptions pits = options_of(folder, kMinimal + R"(
+pits:
+  method: greedy-breach
+  measure: volume
+  max_breach_length_m: 40.5
+  max_breach_depth_m: 3
+  keep: {deeper_than_m: 2.5, larger_than_m2: 800, volume_above_m3: 12, inside: ponds.gpkg, ids: [4, 7], combine: and}
+  outlets: sea.gpkg
+  voids_drain: true
+  void_edge_m: 30
+)")
+                              .pits;
+  EXPECT_EQ(pits.method, PitMethod::greedy_breach);
+  EXPECT_EQ(pits.measure, ChangeMeasure::volume);
+  EXPECT_EQ(pits.max_breach_length_m, 40.5);
+  EXPECT_EQ(pits.max_breach_depth_m, 3);
+  EXPECT_EQ(pits.keep.deeper_than_m, 2.5);
+  EXPECT_EQ(pits.keep.larger_than_m2, 800);
+  EXPECT_EQ(pits.keep.volume_above_m3, 12);
+  EXPECT_EQ(pits.keep.inside, (folder / "ponds.gpkg").string());
+  EXPECT_EQ(pits.keep.ids, (std::vector<std::uint64_t>{4, 7}));
+  EXPECT_TRUE(pits.keep.all_conditions);
+  EXPECT_EQ(pits.outlets, OutletPolicy::layer);
+  EXPECT_EQ(pits.outlet_layer, (folder / "sea.gpkg").string());
+  EXPECT_TRUE(pits.voids_drain);
+  EXPECT_EQ(pits.void_edge_m, 30);
+  EXPECT_EQ(options_of(folder, kMinimal + "pits: {cheapest: 12}\n").pits.cheapest, 12U);
+}
+
+TEST(Config, ImpossiblePits_AreRefused) {
+  EXPECT_EQ(config_error(kMinimal + "pits: {outlets: nowhere.gpkg}\n"),
+            "c.yaml:2:17: pits.outlets: 'nowhere.gpkg' is not possible (allowed: hull, lowest, or a file of points, "
+            "lines or polygons)");
+  EXPECT_EQ(config_error(kMinimal + "pits: {keep: {deeper_than_m: -1}}\n"),
+            "c.yaml:2:30: pits.keep.deeper_than_m: '-1' is not possible (allowed: a number from 0 on)");
+  EXPECT_EQ(config_error(kMinimal + "pits: {cheapest: 3, keep: {ids: [1]}}\n"),
+            "c.yaml:2:18: pits.cheapest: it says which pits to keep, as pits.keep does (give one of the two)");
 }
 
 TEST(Config, Errors_NameLineAndColumn) {
@@ -181,8 +226,9 @@ TEST(Config, WhatThisVersionCannotDo_IsRefused) {
             "c.yaml:1:32: input.rivers: this version does not embed rivers (remove the key)");
   EXPECT_EQ(config_error(kMinimal + "rivers: {variant: VFRS}\n"),
             "c.yaml:2:9: rivers: this version does not embed rivers (remove the key)");
-  EXPECT_EQ(config_error(kMinimal + "pits: {method: least-change}\n"),
-            "c.yaml:2:16: pits.method: 'least-change' is not possible (allowed: none, lift)");
+  EXPECT_EQ(config_error(kMinimal + "pits: {method: fill}\n"),
+            "c.yaml:2:16: pits.method: 'fill' is not possible (allowed: none, lift, breach, greedy-breach, "
+            "least-change)");
   EXPECT_EQ(config_error("input: {points: a.laz, rivers: }\n"), "no error");
 }
 

@@ -4,10 +4,14 @@
 #include <array>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <set>
+#include <tuple>
 
 #include "grid_terrain.h"
 #include "hydrotin/lifting.h"
+#include "hydrotin/nested_pools.h"
+#include "hydrotin/outlets.h"
 #include "hydrotin/pits.h"
 #include "hydrotin/spill_tree.h"
 #include "hydrotin/vertex_graph.h"
@@ -296,6 +300,77 @@ TEST(Parts, LargeTerrainIsTheSameForEveryTiling) {
       }
     }
   }
+}
+
+/// The hierarchy of a cut terrain, found part by part.
+std::optional<std::vector<PitBasin>> nested_pits_of(const std::vector<Part>& parts, bool with_prices) {
+  std::vector<ReducedPools> reduced;
+  std::vector<PlateauSummary> summaries;
+  std::vector<DecidedPit> decided;
+  std::vector<Pit> plateaus;
+  for (const Part& p : parts) {
+    reduced.push_back(reduce_pools(p.graph, p.triangle, p.height, p.position, p.global_id, p.is_rim, p.is_outlet));
+    decided.insert(decided.end(), reduced.back().pit.begin(), reduced.back().pit.end());
+    summaries.push_back(summarize_plateaus(p.graph, p.height, p.position, p.is_outlet, p.global_id, p.is_rim));
+    plateaus.insert(plateaus.end(), summaries.back().pit.begin(), summaries.back().pit.end());
+  }
+  const auto across = resolve_plateaus(summaries);
+  plateaus.insert(plateaus.end(), across.begin(), across.end());
+  RankedPools ranked = rank_pools(reduced, with_prices);
+  if (!ranked.all_drain) return std::nullopt;
+  std::set<std::uint64_t> counted;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const Part& p = parts[i];
+    std::vector<std::uint8_t> counts;
+    for (const std::uint64_t id : p.global_id) counts.push_back(counted.insert(id).second);
+    const auto answer = weigh_pools(p.graph, p.triangle, p.height, p.position, p.global_id, counts, ranked.query[i]);
+    for (std::size_t q = 0; q < answer.size(); ++q) ranked.content[ranked.query[i][q].answer_to].add(answer[q]);
+  }
+  return nested_pits(decided, ranked, plateaus);
+}
+
+TEST(NestedPools, EveryCutGivesTheHierarchyOfTheWhole) {
+  std::size_t num_pits = 0, num_nested = 0, num_decided_globally = 0;
+  for (std::uint64_t seed = 0; seed < 1500; ++seed) {
+    SCOPED_TRACE(seed);
+    OutletTerrain t = terrain_of_triangles(seed);
+    if (t.grid.num_vertices() == 0) continue;
+    std::uint32_t num_parts = 0;
+    const auto part_of = random_parts(t.grid, seed, num_parts);
+    const auto parts = cut(t, part_of, num_parts, seed);
+    const VertexGraph graph = graph_of(t.grid);
+    const auto expected = pit_hierarchy(graph, t.grid.triangle, t.grid.height, t.grid.position, t.is_outlet);
+    const bool with_prices = seed % 2 == 0;
+    const auto got = nested_pits_of(parts, with_prices);
+    const bool all_drain = pieces_without_outlet(graph, t.grid.position, t.is_outlet).empty();
+    ASSERT_EQ(got.has_value(), all_drain);
+    if (!got) continue;
+    ASSERT_EQ(got->size(), expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      const PitBasin &a = (*got)[i], &b = expected[i];
+      EXPECT_EQ(a.pit.representative, b.pit.representative);
+      EXPECT_EQ(a.pit.vertex, global_of(static_cast<std::uint32_t>(b.pit.vertex), seed));
+      EXPECT_EQ(std::tuple(a.pit.height, a.pit.num_vertices, a.parent),
+                std::tuple(b.pit.height, b.pit.num_vertices, b.parent));
+      EXPECT_EQ(a.spill_position, b.spill_position);
+      EXPECT_EQ(std::tuple(a.spill_level, a.num_vertices, a.displacement, a.doubled_area),
+                std::tuple(b.spill_level, b.num_vertices, b.displacement, b.doubled_area));
+      EXPECT_EQ(a.volume, b.volume);
+      if (with_prices) {
+        EXPECT_EQ(a.price, b.price);
+      }
+      num_nested += b.parent != kNoPit;
+    }
+    num_pits += expected.size();
+    std::vector<ReducedPools> reduced;
+    for (const Part& p : parts)
+      reduced.push_back(reduce_pools(p.graph, p.triangle, p.height, p.position, p.global_id, p.is_rim, p.is_outlet));
+    num_decided_globally += rank_pools(reduced, false).pit.size();
+  }
+  EXPECT_GT(num_pits, 2000u);
+  EXPECT_GT(num_nested, 500u);
+  EXPECT_GT(num_decided_globally, 500u);
+  EXPECT_GT(num_pits - num_decided_globally, 200u);
 }
 
 }  // namespace

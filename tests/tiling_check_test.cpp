@@ -78,7 +78,7 @@ void write_index(const CutTerrain& cut, const IndexFacts& facts) {
 
 IndexFacts index_facts(const CutTerrain& cut, const WholeTerrain& whole) {
   const PitOptions& pits = cut.context.options.pits;
-  const bool is_lifted = pits.method == PitMethod::lift;
+  const bool is_lifted = pits.method != PitMethod::none;
   const std::string policy = pits.outlets == OutletPolicy::hull ? "hull" : "lowest";
   const auto left = count_pits(whole.graph(), whole.height, testing::outlets_of(whole, pits.outlets));
   return {cut.context.options.triangulation.order, is_lifted ? 0 : static_cast<std::int64_t>(left),

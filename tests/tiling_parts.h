@@ -187,7 +187,7 @@ inline void run_phases(const RunContext& context, Phase first, Phase last) {
 }
 
 inline void run_parts(const RunContext& context) {
-  run_phases(context, Phase::spill, Phase::raster);
+  run_phases(context, Phase::nest, Phase::raster);
 }
 
 inline std::vector<std::uint8_t> outlets_of(const WholeTerrain& whole, OutletPolicy policy) {

@@ -10,10 +10,12 @@
 
 #include "fingerprint.h"
 #include "hydrotin/mesh.h"
+#include "hydrotin/pit_choice.h"
 #include "hydrotin/pit_removal.h"
 #include "hydrotin/pits.h"
 #include "hydrotin/raster.h"
 #include "hydrotin/rasterize.h"
+#include "kept_pits.h"
 #include "part.h"
 #include "report_pits.h"
 #include "terrain_file.h"
@@ -35,10 +37,39 @@ PipelineOptions options_in(const testing::TemporaryFolder& folder) {
   return options;
 }
 
+std::vector<PitBasin> hierarchy_of(const WholeTerrain& whole, const PitOptions& pits) {
+  return pit_hierarchy(whole.graph(), whole.triangle, whole.height, whole.position,
+                       testing::outlets_of(whole, pits.outlets));
+}
+
+/// Which pits the options keep, from the definition.
+std::vector<std::uint8_t> expected_kept(const std::vector<PitBasin>& pits, const PitOptions& options) {
+  if (options.method == PitMethod::none) return std::vector<std::uint8_t>(pits.size(), 0);
+  if (options.cheapest) return keep_all_but_cheapest(pits, *options.cheapest);
+  const KeepPits& keep = options.keep;
+  std::vector<std::uint8_t> out;
+  for (std::size_t i = 0; i < pits.size(); ++i) {
+    std::vector<bool> holds;
+    const double area = static_cast<double>(pits[i].doubled_area) / 2 * kLattice.scale_xy * kLattice.scale_xy;
+    if (keep.deeper_than_m)
+      holds.push_back(static_cast<double>(pits[i].depth()) * kLattice.scale_z > *keep.deeper_than_m + 1e-9);
+    if (keep.larger_than_m2) holds.push_back(area > *keep.larger_than_m2);
+    if (keep.volume_above_m3)
+      holds.push_back(pits[i].volume * kLattice.scale_xy * kLattice.scale_xy * kLattice.scale_z >
+                      *keep.volume_above_m3);
+    if (!keep.ids.empty()) holds.push_back(std::count(keep.ids.begin(), keep.ids.end(), i) > 0);
+    out.push_back(!holds.empty() && (keep.all_conditions ? std::count(holds.begin(), holds.end(), false) == 0
+                                                         : std::count(holds.begin(), holds.end(), true) > 0));
+  }
+  return out;
+}
+
 std::vector<std::int32_t> expected_heights(const WholeTerrain& whole, const PipelineOptions& options) {
   if (options.pits.method == PitMethod::none) return whole.height;
   const VertexGraph graph = whole.graph();
-  const auto is_outlet = testing::outlets_of(whole, options.pits.outlets);
+  const auto pits = hierarchy_of(whole, options.pits);
+  const auto is_outlet = outlets_and_kept_pits(graph, whole.height, testing::outlets_of(whole, options.pits.outlets),
+                                               pits, expected_kept(pits, options.pits));
   constexpr RemovalMethod kMethods[] = {RemovalMethod::lift, RemovalMethod::lift, RemovalMethod::breach,
                                         RemovalMethod::greedy_breach, RemovalMethod::least_change};
   RemovalOptions removal;
@@ -79,6 +110,20 @@ void add_pits(const store::Reader& in, std::vector<PitFact>& out) {
   ASSERT_EQ(xyz.size(), 3 * level.size());
   for (std::size_t i = 0; i < level.size(); ++i)
     out.emplace_back(LatticePoint{xyz[3 * i], xyz[3 * i + 1]}, xyz[3 * i + 2], level[i], vertices[i]);
+}
+
+void expect_same_hierarchy(const CutTerrain& cut, const WholeTerrain& whole) {
+  const PitTable got = read_pit_table(store::Reader(cut.context.layout.unit(Phase::choose, 0)));
+  const auto expected = hierarchy_of(whole, cut.context.options.pits);
+  EXPECT_EQ(got.is_kept, expected_kept(expected, cut.context.options.pits));
+  ASSERT_EQ(got.pit.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const PitBasin &a = got.pit[i], &b = expected[i];
+    EXPECT_EQ(std::tuple(a.pit.representative, a.pit.height, a.pit.num_vertices, a.parent),
+              std::tuple(b.pit.representative, b.pit.height, b.pit.num_vertices, b.parent));
+    EXPECT_EQ(std::tuple(a.spill_position, a.spill_level, a.num_vertices, a.displacement, a.doubled_area, a.volume),
+              std::tuple(b.spill_position, b.spill_level, b.num_vertices, b.displacement, b.doubled_area, b.volume));
+  }
 }
 
 void expect_same_pits(const CutTerrain& cut, const WholeTerrain& whole) {
@@ -210,7 +255,8 @@ void expect_same_as_whole(const WholeTerrain& whole, const PipelineOptions& opti
   const auto final = expected_heights(whole, options);
   const auto stated = stated_heights(cut, final.size());
   for (std::size_t v = 0; v < final.size(); ++v) EXPECT_EQ(stated[v], std::set{final[v]});
-  expect_same_pits(cut, whole);
+  expect_same_hierarchy(cut, whole);
+  if (!options.pits.keep.any() && !options.pits.cheapest) expect_same_pits(cut, whole);
   expect_same_minima(cut, whole);
   expect_same_change_figures(cut, whole, final);
   expect_same_triangles(cut, whole, final);
@@ -239,6 +285,36 @@ TEST(TilingParts, EveryTilingGivesTheTerrainOfTheWhole) {
       }
     }
   EXPECT_GT(cases, 60);
+}
+
+TEST(TilingParts, KeptPitsAreThoseOfTheWhole) {
+  std::uint64_t kept = 0, removed = 0;
+  for (std::uint64_t seed = 0; seed < 16; ++seed) {
+    const auto kind = testing::kCloudKinds[seed % std::size(testing::kCloudKinds)];
+    const auto points = testing::distinct(testing::make_cloud(kind, seed, 400, 9));
+    if (convex_hull(points).size() < 3) continue;
+    const WholeTerrain whole = testing::make_terrain(points, seed, seed % 3 == 0 ? 8 : 200);
+    for (const int depth : {0, 3}) {
+      SCOPED_TRACE(std::to_string(seed) + " " + std::to_string(depth));
+      const testing::TemporaryFolder folder;
+      PipelineOptions options = options_in(folder);
+      PitOptions& pits = options.pits;
+      pits.method = static_cast<PitMethod>(1 + seed % 4);
+      pits.outlets = seed % 2 == 0 ? OutletPolicy::hull : OutletPolicy::lowest;
+      pits.keep.all_conditions = seed % 8 >= 4;
+      if (seed % 4 == 0) pits.keep.deeper_than_m = seed % 3 == 0 ? 0.003 : 0.05;
+      if (seed % 4 <= 1) pits.keep.larger_than_m2 = 0.004;
+      if (seed % 4 == 1) pits.keep.volume_above_m3 = 0.0001;
+      if (seed % 4 == 2) pits.keep.ids = {0, 2, 3};
+      if (seed % 4 == 3) pits.cheapest = 5;
+      const auto expected = hierarchy_of(whole, pits);
+      if (expected.size() < 6) continue;
+      for (const std::uint8_t k : expected_kept(expected, pits)) (k ? kept : removed) += 1;
+      expect_same_as_whole(whole, options, seed, depth);
+    }
+  }
+  EXPECT_GT(kept, 100u);
+  EXPECT_GT(removed, 100u);
 }
 
 TEST(TilingParts, SameBytesWhateverTheOrderOfTrianglesInTheFiles) {

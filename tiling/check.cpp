@@ -122,6 +122,25 @@ std::uint64_t check_pits(const DatasetIndex& index, std::vector<TileFacts>& fact
   return pits.size();
 }
 
+std::uint64_t num_pits(std::span<const PlateauSummary> parts) {
+  std::uint64_t decided = 0;
+  for (const PlateauSummary& part : parts) decided += part.pit.size();
+  return decided + resolve_plateaus(parts).size();
+}
+
+// Pits that became none because they were to be kept.
+void check_kept(const DatasetIndex& index, std::vector<TileFacts>& facts, Problems& problems) {
+  std::vector<PlateauSummary> before, unkept;
+  for (TileFacts& f : facts) {
+    before.push_back(std::move(f.before));
+    unkept.push_back(std::move(f.unkept));
+  }
+  const std::uint64_t kept = num_pits(before) - num_pits(unkept);
+  if (kept != index.pits_kept)
+    problems.add("kept pits", index.path + ": it states " + std::to_string(index.pits_kept) +
+                                  " kept pits, but there are " + std::to_string(kept));
+}
+
 DatasetSummary stated(const DatasetIndex& index) {
   DatasetSummary out;
   out.points = index.points;
@@ -155,9 +174,10 @@ DatasetSummary check_dataset(const std::string& dir, std::uint64_t order_sample)
     check_edges(index, reading.facts, problems);
     check_owners(index, reading.facts, problems);
     // Parts that disagree about the heights of shared vertices have no plateaus in common.
-    if (problems.count("foreign heights") == 0 && problems.count("use of vertices") == 0)
+    if (problems.count("foreign heights") == 0 && problems.count("use of vertices") == 0) {
+      check_kept(index, reading.facts, problems);
       summary.pits = check_pits(index, reading.facts, problems);
-    else
+    } else
       problems.add("across files", index.path + ": pits were not counted, because files disagree about heights");
     reading.facts.clear();
     check_all_orders(index, bins_for(reading.bins, order_sample), summary, problems);

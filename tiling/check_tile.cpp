@@ -78,7 +78,7 @@ class TileCheck {
       if (has_height != (is_used_[v] != 0))
         problem("use of vertices", "the vertex at " + at(v) +
                                        (has_height ? " has a height but no triangle" : " is used but has no height"));
-      if (has_height && tile_.height[v] < tile_.measured[v])
+      if (has_height && tile_.pit_method == "lift" && tile_.height[v] < tile_.measured[v])
         problem("heights", "the vertex at " + at(v) + " ends lower than it was measured");
     }
   }
@@ -131,18 +131,43 @@ class TileCheck {
   }
 
   void summarize() {
-    const bool by_lowest = tile_.outlets == "lowest";
-    if (tile_.outlets != "hull" && !by_lowest) problem("outlets", "the outlets '" + tile_.outlets + "' are not known");
+    const bool by_lowest = tile_.outlets == "lowest", by_layer = tile_.outlets == "layer";
+    if (tile_.outlets != "hull" && !by_lowest && !by_layer)
+      problem("outlets", "the outlets '" + tile_.outlets + "' are not known");
     if (tile_.pits_removed != (index_.outlets != "none") || (tile_.pits_removed && tile_.outlets != index_.outlets))
       problem("outlets", "the index states other outlets");
-    std::vector<std::uint8_t> is_outlet = by_lowest ? std::vector<std::uint8_t>(tile_.num_vertices(), 0) : is_hull_;
+    std::vector<std::uint8_t> is_outlet =
+        by_lowest || by_layer ? std::vector<std::uint8_t>(tile_.num_vertices(), 0) : is_hull_;
     std::vector<std::uint64_t> id(tile_.num_vertices());
     for (std::uint32_t v = 0; v < id.size(); ++v) {
       id[v] = tile_.id(v);
       if (!is_used_[v] || (by_lowest && id[v] == index_.lowest.value)) is_outlet[v] = 1;  // unused ones are no pits
     }
+    for (const std::uint32_t v : tile_.outlet_vertex) is_outlet[v] = 1;
+    for (std::uint32_t v = 0; v < id.size(); ++v)
+      if (is_used_[v] && is_outlet[v] && tile_.height[v] != tile_.measured[v])
+        problem("outlets", "the outlet at " + at(v) + " was moved");
     const VertexGraph graph = make_vertex_graph(tile_.num_vertices(), tile_.triangle);
+    const std::vector<std::uint8_t> base = is_outlet;
+    check_kept(graph, is_outlet);
     facts_.plateaus = summarize_plateaus(graph, tile_.height, tile_.position, is_outlet, id, is_rim_);
+    if (index_.pits_kept == 0 && tile_.kept_vertex.empty()) return;
+    facts_.before = summarize_plateaus(graph, tile_.measured, tile_.position, base, id, is_rim_);
+    facts_.unkept = summarize_plateaus(graph, tile_.measured, tile_.position, is_outlet, id, is_rim_);
+  }
+
+  // Kept pits are whole pits of the terrain as measured, and stayed where they were.
+  void check_kept(const VertexGraph& graph, std::vector<std::uint8_t>& is_outlet) {
+    std::vector<std::uint8_t> is_kept(tile_.num_vertices(), 0);
+    for (const std::uint32_t v : tile_.kept_vertex) is_kept[v] = 1;
+    for (const std::uint32_t v : tile_.kept_vertex) {
+      if (!is_used_[v] || tile_.height[v] != tile_.measured[v])
+        problem("kept pits", "the vertex of a kept pit at " + at(v) + " was moved");
+      for (const std::uint32_t w : graph.neighbors(v))
+        if (tile_.measured[w] < tile_.measured[v] || (tile_.measured[w] == tile_.measured[v] && !is_kept[w]))
+          problem("kept pits", "the vertex at " + at(v) + " is said to be of a kept pit, but water leaves it");
+      is_outlet[v] = 1;
+    }
   }
 
   void collect_foreign() {

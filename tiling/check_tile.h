@@ -40,7 +40,8 @@ struct TileFacts {
   std::vector<PlacedEdge> open;  ///< edges without twin in this file
   std::vector<PlacedEdge> hull;  ///< those that the file puts on the hull
   std::vector<ForeignVertex> foreign;
-  PlateauSummary plateaus;          ///< of the final heights
+  PlateauSummary plateaus;          ///< of the final heights, kept pits apart
+  PlateauSummary before, unkept;    ///< of the heights as measured, where pits are kept: all, and without kept ones
   std::vector<std::uint32_t> bins;  ///< [kSampleBins]
 };
 

@@ -80,6 +80,7 @@ DatasetIndex load_index(const std::string& dir) {
   out.order = static_cast<int>(std::min<std::uint64_t>(number("order"), 1'000'000));
   out.fingerprint = in.text("fingerprint");
   out.outlets = in.text("outlets");
+  if (in.has_attribute("pits_kept")) out.pits_kept = number("pits_kept");
   out.lowest = PointId(static_cast<std::uint64_t>(in.integer("lowest_point")));
   const bool fits = number("tiles") == out.count.size() && out.box.size() == out.count.size() &&
                     out.triangles.size() == out.count.size() &&
@@ -87,7 +88,7 @@ DatasetIndex load_index(const std::string& dir) {
                     std::all_of(out.count.begin(), out.count.end(),
                                 [](std::uint64_t c) { return c < std::numeric_limits<std::uint32_t>::max(); });
   if (!fits) contradicts(out.path, "its lists of tiles contradict each other");
-  if (out.outlets != "hull" && out.outlets != "lowest" && out.outlets != "none")
+  if (out.outlets != "hull" && out.outlets != "lowest" && out.outlets != "layer" && out.outlets != "none")
     contradicts(out.path, "the outlets '" + out.outlets + "' are not known");
   return out;
 }
@@ -118,7 +119,14 @@ TerrainTile load_terrain_tile(const DatasetIndex& index, std::uint32_t tile) {
     contradicts(out.path, "the boxes do not fit the triangles");
   if (std::any_of(out.triangle.begin(), out.triangle.end(), [&](std::uint32_t v) { return v >= out.num_vertices(); }))
     contradicts(out.path, "a triangle refers to a vertex that is not listed");
+  for (const auto& [name, list] :
+       {std::pair{"outlet_vertex", &out.outlet_vertex}, std::pair{"kept_vertex", &out.kept_vertex}}) {
+    if (in.has(name)) *list = in.read<std::uint32_t>(name);
+    if (std::any_of(list->begin(), list->end(), [&](std::uint32_t v) { return v >= out.num_vertices(); }))
+      contradicts(out.path, std::string("the array '") + name + "' refers to a vertex that is not listed");
+  }
   out.fingerprint = in.text("fingerprint");
+  if (in.has_attribute("pit_method")) out.pit_method = in.text("pit_method");
   out.outlets = in.text("outlets");
   out.pits_removed = in.integer("pits_removed") != 0;
   read_the_rest(in);

@@ -26,7 +26,8 @@ struct DatasetIndex {
   std::uint64_t points = 0, vertices = 0, duplicates = 0, num_triangles = 0, pits = 0;
   int order = 0;
   std::string fingerprint;
-  std::string outlets;  ///< hull, lowest, or none where pits were left
+  std::string outlets;          ///< hull, lowest, layer, or none where pits were left
+  std::uint64_t pits_kept = 0;  ///< on purpose
   PointId lowest;
 
   [[nodiscard]] std::uint32_t num_tiles() const { return static_cast<std::uint32_t>(count.size()); }
@@ -48,7 +49,8 @@ struct TerrainTile {
   std::vector<std::uint32_t> triangle;   ///< [3T] below n
   std::vector<std::uint64_t> hull_edge;  ///< [2H]
   std::vector<LatticeBox> block_box, triangle_box;
-  std::string fingerprint, outlets;
+  std::vector<std::uint32_t> outlet_vertex, kept_vertex;  ///< below n: water may leave; vertices of kept pits
+  std::string fingerprint, outlets, pit_method;
   bool pits_removed = false;
 
   [[nodiscard]] std::uint32_t num_vertices() const { return static_cast<std::uint32_t>(position.size()); }

@@ -135,19 +135,31 @@ std::uint64_t write_shared_pits(const RunContext& context, const RimLevels& leve
   return decided + pits.size();
 }
 
+std::int64_t lowest_outlet(const RunContext& context) {
+  std::int64_t lowest = kNoLevel;
+  for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t)
+    lowest = std::min(lowest, open_spill(context, t).integer("lowest_outlet"));
+  return lowest;
+}
+
+void require_outlet(const RunContext& context) {
+  if (lowest_outlet(context) == kNoLevel)
+    throw Error(ErrorKind::input, context.options.pits.outlet_layer +
+                                      ": none of its features has a vertex of the terrain, so water could leave "
+                                      "nowhere; check its CRS and place, or use pits.outlets: hull");
+}
+
 }  // namespace
 
 void drain_tiles(const RunContext& context) {
+  require_outlet(context);
   const RimLevels levels = levels_of_all(context);
   store::Writer out(context.layout.unit(Phase::drain, 0));
   out.set("recipe", context.recipe(Phase::drain));
   const RimFacts facts = write_slices(context, levels, out);
   set_lift_figures(levels, facts, out);
   out.set("pits_before", static_cast<std::int64_t>(write_shared_pits(context, levels, out)));
-  std::int64_t lowest_outlet = kNoLevel;
-  for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t)
-    lowest_outlet = std::min(lowest_outlet, open_spill(context, t).integer("lowest_outlet"));
-  out.set("lowest_outlet", lowest_outlet);
+  out.set("lowest_outlet", lowest_outlet(context));
   std::int64_t minima = std::count(facts.has_lower.begin(), facts.has_lower.end(), std::uint8_t{0});
   std::vector<std::int32_t> bounds;
   for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t) {

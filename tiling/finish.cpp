@@ -4,9 +4,11 @@
 
 #include "fingerprint.h"
 #include "hydrotin/mesh.h"
+#include "kept_pits.h"
 #include "leftovers.h"
 #include "part.h"
 #include "phases.h"
+#include "pit_options.h"
 #include "reduced_store.h"
 #include "settled_heights.h"
 #include "surface.h"
@@ -83,11 +85,13 @@ void write_vertices(store::Writer& out, const Part& part, std::span<const std::i
   out.append("foreign_height", height.subspan(part.num_own), "z lattice, final height");
 }
 
+// How the arrays of the file refer to a vertex.
+std::uint32_t reference(const Part& part, std::uint32_t v) {
+  return v < part.num_own ? PointId(part.point[v]).index()
+                          : static_cast<std::uint32_t>(part.own.position.size()) + (v - part.num_own);
+}
+
 void write_triangles(store::Writer& out, const Part& part) {
-  const auto num_own_points = static_cast<std::uint32_t>(part.own.position.size());
-  const auto reference = [&](std::uint32_t v) {
-    return v < part.num_own ? PointId(part.point[v]).index() : num_own_points + (v - part.num_own);
-  };
   std::vector<std::uint32_t> triangle;
   triangle.reserve(part.triangle.size());
   std::vector<LatticeBox> box((part.num_triangles() + kRunTriangles - 1) / kRunTriangles);
@@ -96,7 +100,7 @@ void write_triangles(store::Writer& out, const Part& part) {
     for (std::size_t i = 0; i < 3; ++i) {
       const std::uint32_t v = part.triangle[3 * std::size_t{t} + i];
       run.extend(part.position[v]);
-      triangle.push_back(reference(v));
+      triangle.push_back(reference(part, v));
     }
   }
   out.append(
@@ -107,6 +111,21 @@ void write_triangles(store::Writer& out, const Part& part) {
   std::vector<std::uint64_t> hull;
   for (const DirectedEdge& e : part.hull_edge) hull.insert(hull.end(), {part.point[e.origin], part.point[e.target]});
   out.append("hull_edge", hull, "origins and targets of edges on the convex hull, the terrain on their left");
+}
+
+// Outlets that neither the hull nor the lowest vertex tells: those of layers and voids, and kept pits.
+void write_outlets(const RunContext& context, std::uint32_t tile, const Part& part,
+                   std::span<const std::uint8_t> is_outlet, store::Writer& out) {
+  const PitOptions& pits = context.options.pits;
+  const bool stated = pits.outlets == OutletPolicy::layer || pits.voids_drain;
+  const std::vector<std::uint8_t> is_kept = kept_flags(context, tile, part);
+  std::vector<std::uint32_t> outlet, kept;
+  for (std::uint32_t v = 0; v < part.num_vertices(); ++v) {
+    if (stated && is_outlet[v] && !is_kept[v]) outlet.push_back(reference(part, v));
+    if (is_kept[v]) kept.push_back(reference(part, v));
+  }
+  out.append("outlet_vertex", outlet, "where water may leave by a layer, or at voids; numbered as in `triangle`");
+  out.append("kept_vertex", kept, "vertices of pits that were to be kept; numbered as in `triangle`");
 }
 
 // Pits before lifting that lie inside the part, with the level at which they overflow.
@@ -143,7 +162,8 @@ void set_figures(const RunContext& context, const Part& part, std::span<const st
   out.set("vertices", static_cast<std::int64_t>(part.num_vertices()));
   out.set("rim_vertices", rim);
   out.set("order", std::int64_t{context.options.triangulation.order});
-  out.set("outlets", std::string(context.options.pits.outlets == OutletPolicy::hull ? "hull" : "lowest"));
+  out.set("outlets", outlet_policy(context.options.pits));
+  out.set("pit_method", pit_method(context.options.pits));
   out.set("pits_removed", std::int64_t{context.options.pits.method != PitMethod::none});
   const auto final_plateaus = summarize_plateaus(part.graph, height, part.position, is_outlet, part.point, part.is_rim);
   write_plateaus(out, "final_", final_plateaus);
@@ -169,6 +189,7 @@ void finish_tile(const RunContext& context, std::uint32_t tile) {
   write_vertices(out, part, height);
   write_triangles(out, part);
   write_pits_before(context, tile, part, level, out);
+  write_outlets(context, tile, part, is_outlet, out);
   set_figures(context, part, height, is_outlet, out);
   out.commit();
 }

@@ -9,8 +9,8 @@
 /// Where files lie.
 ///
 ///     <output.dir>/terrain/tile_000000.h5, index.h5     the finished data set
-///     <output.dir>/mesh/tile_000000.ply  dem/tile_000000.tif  dem.tif  hillshade.png  layers.gpkg  report.json
-///     report.txt <scratch>/<phase>/000000.h5                        outputs of the phases before `finish`
+///     <output.dir>/mesh/tile_000000.ply  dem/tile_000000.tif  dem.tif  hillshade.png  layers.gpkg  pits.csv
+///     report.json report.txt <scratch>/<phase>/000000.h5                        outputs of the phases before `finish`
 
 namespace hydrotin {
 
@@ -28,6 +28,7 @@ class Layout {
   [[nodiscard]] std::string dem() const { return out_ + "/dem.tif"; }
   [[nodiscard]] std::string hillshade() const { return out_ + "/hillshade.png"; }
   [[nodiscard]] std::string layers() const { return out_ + "/layers.gpkg"; }
+  [[nodiscard]] std::string pits_csv() const { return out_ + "/pits.csv"; }
   [[nodiscard]] std::string report_json() const { return out_ + "/report.json"; }
   [[nodiscard]] std::string report_text() const { return out_ + "/report.txt"; }
   [[nodiscard]] const std::string& out() const { return out_; }

@@ -9,6 +9,7 @@
 #include "ingest_index.h"
 #include "layout.h"
 #include "outline.h"
+#include "pit_places.h"
 #include "plan.h"
 #include "recipe.h"
 
@@ -29,7 +30,11 @@ struct RunContext {
   Outline outline;                                                              ///< from phase `outline` on
   std::shared_ptr<IngestIndex> ingest_index = std::make_shared<IngestIndex>();  ///< filled by the first tile arranged
 
-  [[nodiscard]] std::string recipe(Phase phase) const { return hydrotin::recipe(plan.recipe, options, phase); }
+  std::shared_ptr<const PitPlaces> places = std::make_shared<PitPlaces>();  ///< layers of the pit options
+
+  [[nodiscard]] std::string recipe(Phase phase) const {
+    return hydrotin::recipe(plan.recipe + (phase >= Phase::nest ? places->hash : ""), options, phase);
+  }
 };
 
 void ingest_file(const RunContext& context, std::uint32_t file);
@@ -39,6 +44,10 @@ void triangulate_tile(const RunContext& context, std::uint32_t tile);
 void join_pieces(const RunContext& context);
 void solve_seams(const RunContext& context, std::uint32_t tile);
 void mend_minima(const RunContext& context);
+void nest_pools(const RunContext& context, std::uint32_t tile);
+void rank_pools_of_all(const RunContext& context);
+void weigh_pools_of(const RunContext& context, std::uint32_t tile);
+void choose_pits(const RunContext& context);
 void reduce_tile(const RunContext& context, std::uint32_t tile);
 void drain_tiles(const RunContext& context);
 void pool_tile(const RunContext& context, std::uint32_t tile);

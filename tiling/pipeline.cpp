@@ -26,6 +26,16 @@ void check(const PipelineOptions& options) {
     if (options.triangulation.reference.empty())
       fail("triangulation.max_error_m: errors are those of reference points; give triangulation.reference");
   }
+  const PitOptions& pits = options.pits;
+  if (pits.outlets == OutletPolicy::layer && pits.outlet_layer.empty())
+    fail("pits.outlets: no layer is named; give a file of points, lines or polygons");
+  if (pits.voids_drain && !(pits.void_edge_m > 0)) fail("pits.void_edge_m: give a length above 0");
+  if (pits.max_breach_length_m && !(*pits.max_breach_length_m >= 0))
+    fail("pits.max_breach_length_m: give a length from 0 on");
+  if (pits.max_breach_depth_m && !(*pits.max_breach_depth_m >= 0))
+    fail("pits.max_breach_depth_m: give a height from 0 on");
+  if (pits.cheapest && pits.keep.any())
+    fail("pits.cheapest: it says which pits to keep, as pits.keep does; give one of the two");
   if (options.tiles.target_points < 1000)
     fail("tiles.target_points: " + std::to_string(options.tiles.target_points) + " is too few; give 1,000 or more");
   if (!(options.output.dem.cell_m > 0)) fail("output.dem.cell_m: a cell must have a positive size");
@@ -34,7 +44,9 @@ void check(const PipelineOptions& options) {
 
 RunContext plan_context(const PipelineOptions& options) {
   check(options);
-  return {options, Layout(options), make_plan(options), {}};
+  RunContext context{options, Layout(options), make_plan(options), {}};
+  context.places = load_pit_places(options.pits, context.plan);
+  return context;
 }
 
 // The plan that a job array agreed on, and the outline if it is there.
@@ -42,6 +54,7 @@ RunContext stored_context(const PipelineOptions& options) {
   check(options);
   RunContext context{options, Layout(options), {}, {}};
   context.plan = load_plan(context.layout.unit(Phase::plan, 0));
+  context.places = load_pit_places(options.pits, context.plan);
   return context;
 }
 

@@ -36,6 +36,16 @@ RemovalOptions removal_options(const RunContext& context) {
   return out;
 }
 
+std::string outlet_policy(const PitOptions& options) {
+  constexpr const char* kNames[] = {"hull", "lowest", "layer"};
+  return kNames[static_cast<std::size_t>(options.outlets)];
+}
+
+std::string pit_method(const PitOptions& options) {
+  constexpr const char* kNames[] = {"none", "lift", "breach", "greedy-breach", "least-change"};
+  return kNames[static_cast<std::size_t>(options.method)];
+}
+
 void ChangeableSurface::set_weights(const RunContext& context, std::span<const std::uint32_t> triangle) {
   star_ = star_weights(terrain_.position, triangle);
   if (context.options.pits.measure == ChangeMeasure::volume) terrain_.weight = star_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "hydrotin/pit_removal.h"
@@ -11,6 +12,10 @@
 namespace hydrotin {
 
 [[nodiscard]] RemovalOptions removal_options(const RunContext& context);
+
+/// Names as in configs and files.
+[[nodiscard]] std::string outlet_policy(const PitOptions& options);
+[[nodiscard]] std::string pit_method(const PitOptions& options);
 
 /// A surface as the room `terrain` changes it, with the arrays that its spans refer to.
 class ChangeableSurface {

@@ -30,11 +30,22 @@ std::string recipe(const std::string& plan_recipe, const PipelineOptions& option
     hash.add(std::int64_t{options.triangulation.order}).add(name(options.triangulation.objectives));
   if (phase >= Phase::triangulate) hash.add(options.triangulation.max_error_m.value_or(-1));
   const PitOptions& pits = options.pits;
-  if (phase >= Phase::spill)
+  if (phase >= Phase::nest)
     hash.add(static_cast<std::int64_t>(pits.outlets))
         .add(pits.outlet_layer)
         .add(std::int64_t{pits.voids_drain})
-        .add(pits.voids_drain ? pits.void_edge_m : 0);
+        .add(pits.voids_drain ? pits.void_edge_m : 0)
+        .add(std::int64_t{pits.cheapest.has_value()});  // asks for prices
+  if (phase >= Phase::choose) {
+    hash.add(pits.keep.deeper_than_m.value_or(-1))
+        .add(pits.keep.larger_than_m2.value_or(-1))
+        .add(pits.keep.volume_above_m3.value_or(-1))
+        .add(pits.keep.inside)
+        .add(std::int64_t{pits.keep.all_conditions})
+        .add(std::int64_t{pits.method == PitMethod::none})
+        .add(static_cast<std::int64_t>(pits.cheapest.value_or(0)));
+    for (const std::uint64_t id : pits.keep.ids) hash.add(static_cast<std::int64_t>(id));
+  }
   if (phase >= Phase::pools)
     hash.add(static_cast<std::int64_t>(pits.method))
         .add(static_cast<std::int64_t>(pits.measure))

@@ -14,9 +14,11 @@
 #include "hydrotin/raster.h"
 #include "hydrotin/vector.h"
 #include "hydrotin/version.h"
+#include "kept_pits.h"
 #include "leftovers.h"
 #include "mend.h"
 #include "part_value.h"
+#include "pit_options.h"
 #include "polygon_figures.h"
 #include "reduced_store.h"
 #include "report_pits.h"
@@ -30,13 +32,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-struct PitRow {
-  LatticePoint place;
-  std::int32_t height = 0, level = 0;
-  std::uint64_t vertices = 0;
-  friend auto operator<=>(const PitRow&, const PitRow&) = default;
-};
 
 // What was made of one tile, or of all.
 struct TriangulationFigures {
@@ -78,19 +73,9 @@ struct Figures {
   DatasetSummary summary;
   std::vector<TriangulationFigures> tile;
   TriangulationFigures all;
-  std::vector<PitRow> pits;  // before lifting
+  PitTable pits;  // of the terrain as measured
   PitFigures pit;
 };
-
-void add_pits(const store::Reader& in, std::vector<PitRow>& rows) {
-  const auto xyz = in.read<std::int32_t>("pit_xyz");
-  const auto level = in.read<std::int32_t>("pit_level");
-  const auto vertices = in.read<std::uint64_t>("pit_vertices");
-  if (xyz.size() != 3 * level.size() || vertices.size() != level.size())
-    throw Error(ErrorKind::storage, in.path() + ": its arrays of pits differ in length; delete the file and run again");
-  for (std::size_t i = 0; i < level.size(); ++i)
-    rows.push_back({{xyz[3 * i], xyz[3 * i + 1]}, xyz[3 * i + 2], level[i], vertices[i]});
-}
 
 std::vector<TriangulationFigures> read_triangulations(const RunContext& context) {
   const std::uint32_t num_tiles = context.plan.num_tiles();
@@ -174,7 +159,6 @@ Figures collect(const RunContext& context) {
   std::vector<PlateauSummary> open;
   for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t) {
     const store::Reader terrain(context.layout.terrain(t));
-    add_pits(terrain, f.pits);
     const auto part = Fingerprint::parse(terrain.text("fingerprint"));
     if (!part)
       throw Error(ErrorKind::storage,
@@ -187,11 +171,10 @@ Figures collect(const RunContext& context) {
     open.push_back(read_open_plateaus(terrain, "final_"));
   }
   f.summary.pits += resolve_plateaus(open).size();
-  const store::Reader drain(context.layout.unit(Phase::drain, 0));
-  add_pits(drain, f.pits);
-  std::sort(f.pits.begin(), f.pits.end());
+  f.pits = read_pit_table(store::Reader(context.layout.unit(Phase::choose, 0)));
   f.pit = collect_pit_figures(context);
-  f.pit.before = f.pits.size();
+  f.pit.before = f.pits.pit.size();
+  f.pit.kept = static_cast<std::uint64_t>(std::count(f.pits.is_kept.begin(), f.pits.is_kept.end(), 1));
   f.pit.left = f.summary.pits;
   DatasetSummary& s = f.summary;
   s.triangles = f.all.triangles;
@@ -221,17 +204,7 @@ void write_layers(const RunContext& context, const Figures& figures) {
                                          static_cast<std::int64_t>(figures.tile[t].triangles)};
     out.add_box(tiles, l.x(box.min.x), l.y(box.min.y), l.x(box.max.x), l.y(box.max.y), values);
   }
-  const std::vector<VectorField> pit_fields{{"z_before", FieldType::real},
-                                            {"z_level", FieldType::real},
-                                            {"depth", FieldType::real},
-                                            {"vertices", FieldType::integer}};
-  const int pits = out.add_layer("pits", VectorGeometry::point, true, pit_fields);
-  for (const PitRow& p : figures.pits) {
-    const std::vector<FieldValue> values{l.z(p.height), l.z(p.level),
-                                         (static_cast<double>(p.level) - p.height) * l.scale_z,
-                                         static_cast<std::int64_t>(p.vertices)};
-    out.add_point(pits, {l.x(p.place.x), l.y(p.place.y), l.z(p.height)}, values);
-  }
+  write_pit_layer(context, figures.pits, out);
   write_edit_layers(context, out);
   out.finish();
 }
@@ -467,7 +440,8 @@ std::vector<std::pair<std::string, std::uint64_t>> list_outputs(const RunContext
   }
   if (context.options.output.dem.enabled && context.options.output.dem.cog) add(context.layout.dem());
   if (context.options.output.dem.enabled && context.options.output.dem.hillshade) add(context.layout.hillshade());
-  for (const auto& path : {context.layout.layers(), context.layout.report_json(), context.layout.report_text()})
+  for (const auto& path :
+       {context.layout.layers(), context.layout.pits_csv(), context.layout.report_json(), context.layout.report_text()})
     add(path);
   return out;
 }
@@ -485,8 +459,9 @@ void write_index(const RunContext& context, const Figures& f) {
   out.set("tiles", std::int64_t{context.plan.num_tiles()});
   out.set("order", std::int64_t{s.order});
   out.set("fingerprint", s.fingerprint);
-  const bool hull = context.options.pits.outlets == OutletPolicy::hull;
-  out.set("outlets", std::string(context.options.pits.method == PitMethod::none ? "none" : hull ? "hull" : "lowest"));
+  const bool removed = context.options.pits.method != PitMethod::none;
+  out.set("outlets", removed ? outlet_policy(context.options.pits) : std::string("none"));
+  out.set("pits_kept", static_cast<std::int64_t>(f.pit.kept));
   out.set("lowest_point", static_cast<std::int64_t>(context.outline.lowest.point.value));
   out.set("crs", context.plan.crs.size() < 60000 ? context.plan.crs : std::string());
   write_lattice(out, context.plan.lattice);
@@ -516,6 +491,7 @@ void write_report(const RunContext& context) {
   const Figures figures = collect(context);
   write_rasters(context);
   write_layers(context, figures);
+  write_file(context.layout.pits_csv(), pits_csv(context, figures.pits));
   write_file(context.layout.report_json(), to_json(context, figures).dump(2) + "\n");
   write_file(context.layout.report_text(), to_text(context, figures));
   remove_leftovers(context);

@@ -16,10 +16,6 @@ using nlohmann::json;
 
 constexpr Phase kEditPhases[] = {Phase::members, Phase::settle};
 
-std::string name_of(PitMethod method) {
-  constexpr const char* kNames[] = {"none", "lift", "breach", "greedy-breach", "least-change"};
-  return kNames[static_cast<std::size_t>(method)];
-}
 std::string name_of(ChangeMeasure measure) {
   constexpr const char* kNames[] = {"total", "max", "count", "volume"};
   return kNames[static_cast<std::size_t>(measure)];
@@ -49,8 +45,7 @@ class Sequence {
   void read(std::uint64_t begin, std::uint64_t count, std::vector<T>& out) {
     if (begin < first_ || begin + count > first_ + buffer_.size()) {
       if (begin + count > size_)
-        throw Error(ErrorKind::storage,
-                    path_ + ": the array '" + name_ + "' is cut; delete the file and run again");
+        throw Error(ErrorKind::storage, path_ + ": the array '" + name_ + "' is cut; delete the file and run again");
       first_ = begin;
       buffer_ = store::Reader(path_).read_range<T>(name_, begin,
                                                    std::max(count, std::min<std::uint64_t>(kPiece, size_ - begin)));
@@ -204,6 +199,36 @@ void write_breaches(const RunContext& context, std::span<const std::string> file
   }
 }
 
+struct PitColumn {
+  const char* name;
+  FieldType type;
+};
+constexpr PitColumn kPitColumns[] = {
+    {"id", FieldType::integer},       {"parent", FieldType::integer},  {"z_before", FieldType::real},
+    {"z_level", FieldType::real},     {"depth", FieldType::real},      {"spill_x", FieldType::real},
+    {"spill_y", FieldType::real},     {"area", FieldType::real},       {"volume", FieldType::real},
+    {"vertices", FieldType::integer}, {"plateau", FieldType::integer}, {"displacement", FieldType::real},
+    {"kept", FieldType::integer}};
+
+// Values of the columns. Lengths in units of the CRS; parent -1: it overflows for good.
+void pit_values(const Lattice& l, const PitTable& pits, std::size_t i, std::vector<FieldValue>& values) {
+  const PitBasin& b = pits.pit[i];
+  const double area = l.scale_xy * l.scale_xy;
+  values = {static_cast<std::int64_t>(i),
+            b.parent == kNoPit ? std::int64_t{-1} : std::int64_t{b.parent},
+            l.z(b.pit.height),
+            l.z(b.spill_level),
+            static_cast<double>(b.depth()) * l.scale_z,
+            l.x(b.spill_position.x),
+            l.y(b.spill_position.y),
+            static_cast<double>(b.doubled_area) / 2 * area,
+            b.volume * area * l.scale_z,
+            static_cast<std::int64_t>(b.num_vertices),
+            static_cast<std::int64_t>(b.pit.num_vertices),
+            static_cast<double>(b.displacement) * l.scale_z,
+            std::int64_t{pits.is_kept[i]}};
+}
+
 std::string number(double value, const char* unit) {
   char text[64];
   std::snprintf(text, sizeof text, "%.3f%s", value, unit);
@@ -285,7 +310,7 @@ std::string pits_json(const RunContext& context, const PitFigures& f) {
   const Lattice& l = context.plan.lattice;
   const ChangeFigures& c = f.change;
   const PitVerdict verdict = judge_pits(context, f);
-  json out = {{"method", name_of(pits.method)},
+  json out = {{"method", pit_method(pits)},
               {"measure", name_of(pits.measure)},
               {"pits_before", f.before},
               {"pits_kept", f.kept},
@@ -315,7 +340,7 @@ std::vector<std::pair<std::string, std::string>> pit_rows(const RunContext& cont
   const ChangeFigures& c = f.change;
   std::vector<std::pair<std::string, std::string>> rows;
   const auto row = [&](const std::string& label, const std::string& value) { rows.emplace_back("  " + label, value); };
-  row("method", name_of(pits.method) + (pits.method == PitMethod::none ? "" : ", least " + name_of(pits.measure)));
+  row("method", pit_method(pits) + (pits.method == PitMethod::none ? "" : ", least " + name_of(pits.measure)));
   row("before", std::to_string(f.before));
   if (f.kept > 0) row("kept", std::to_string(f.kept));
   row("left", std::to_string(f.left));
@@ -331,6 +356,46 @@ std::vector<std::pair<std::string, std::string>> pit_rows(const RunContext& cont
   row("cost", number(verdict.cost, ""));
   row("bound", number(verdict.bound, verdict.optimal ? " (met: optimal)" : " (not met)"));
   return rows;
+}
+
+void write_pit_layer(const RunContext& context, const PitTable& pits, GeoPackageWriter& out) {
+  const Lattice& l = context.plan.lattice;
+  std::vector<VectorField> fields;
+  for (const PitColumn& column : kPitColumns) fields.push_back({column.name, column.type});
+  const int layer = out.add_layer("pits", VectorGeometry::point, true, fields);
+  std::vector<FieldValue> values;
+  for (std::size_t i = 0; i < pits.pit.size(); ++i) {
+    pit_values(l, pits, i, values);
+    const Pit& pit = pits.pit[i].pit;
+    out.add_point(layer, {l.x(pit.representative.x), l.y(pit.representative.y), l.z(pit.height)}, values);
+  }
+}
+
+std::string pits_csv(const RunContext& context, const PitTable& pits) {
+  const Lattice& l = context.plan.lattice;
+  std::string text = "x,y";
+  for (const PitColumn& column : kPitColumns) text += std::string(",") + column.name;
+  text += '\n';
+  std::vector<FieldValue> values;
+  char cell[48];
+  const auto put = [&](const char* format, auto value) {
+    std::snprintf(cell, sizeof cell, format, value);
+    text += cell;
+  };
+  for (std::size_t i = 0; i < pits.pit.size(); ++i) {
+    const LatticePoint at = pits.pit[i].pit.representative;
+    put("%.10g", l.x(at.x));
+    put(",%.10g", l.y(at.y));
+    pit_values(l, pits, i, values);
+    for (const FieldValue& value : values) {
+      if (const auto* integer = std::get_if<std::int64_t>(&value))
+        put(",%lld", static_cast<long long>(*integer));
+      else
+        put(",%.10g", std::get<double>(value));
+    }
+    text += '\n';
+  }
+  return text;
 }
 
 void write_edit_layers(const RunContext& context, GeoPackageWriter& out) {

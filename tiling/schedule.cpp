@@ -17,7 +17,8 @@ namespace {
 
 bool is_single(Phase phase) {
   return phase == Phase::plan || phase == Phase::outline || phase == Phase::join || phase == Phase::mend ||
-         phase == Phase::drain || phase == Phase::lakes || phase == Phase::groups || phase == Phase::report;
+         phase == Phase::rank || phase == Phase::choose || phase == Phase::drain || phase == Phase::lakes ||
+         phase == Phase::groups || phase == Phase::report;
 }
 
 void do_unit(const RunContext& context, Phase phase, std::uint32_t unit) {
@@ -38,6 +39,14 @@ void do_unit(const RunContext& context, Phase phase, std::uint32_t unit) {
       return solve_seams(context, unit);
     case Phase::mend:
       return mend_minima(context);
+    case Phase::nest:
+      return nest_pools(context, unit);
+    case Phase::rank:
+      return rank_pools_of_all(context);
+    case Phase::weigh:
+      return weigh_pools_of(context, unit);
+    case Phase::choose:
+      return choose_pits(context);
     case Phase::spill:
       return reduce_tile(context, unit);
     case Phase::drain:

@@ -2,6 +2,7 @@
 #include <tuple>
 
 #include "hydrotin/lifting.h"
+#include "kept_pits.h"
 #include "part.h"
 #include "part_value.h"
 #include "phases.h"
@@ -25,7 +26,9 @@ std::vector<std::uint8_t> has_lower_neighbor(const Part& part) {
 
 void reduce_tile(const RunContext& context, std::uint32_t tile) {
   const Part part = load_part(context, tile);
-  const std::vector<std::uint8_t> is_outlet = outlet_flags(context, part);
+  std::vector<std::uint8_t> is_outlet = outlet_flags(context, part);
+  const std::vector<std::uint8_t> is_kept = kept_flags(context, tile, part);
+  for (std::uint32_t v = 0; v < is_outlet.size(); ++v) is_outlet[v] |= is_kept[v];
   const std::vector<std::uint8_t> has_lower = has_lower_neighbor(part);
   std::int64_t inner_minima = 0;
   std::vector<std::uint64_t> foreign_minima;

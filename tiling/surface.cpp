@@ -6,6 +6,7 @@
 
 #include "block_index.h"
 #include "hydrotin/lifting.h"
+#include "kept_pits.h"
 #include "terrain_file.h"
 
 namespace hydrotin {
@@ -110,6 +111,8 @@ PartLevels levels_of(const RunContext& context, std::uint32_t tile, const Part& 
   const auto rim_outlet = in.read_range<std::uint8_t>("rim_outlet", begin[0], rim.size());
   PartLevels out;
   out.is_outlet = outlet_flags(context, part);
+  const std::vector<std::uint8_t> is_kept = kept_flags(context, tile, part);
+  for (std::uint32_t v = 0; v < part.num_vertices(); ++v) out.is_outlet[v] |= is_kept[v];
   std::vector<std::int32_t> source(part.num_vertices(), kNoLevel);
   for (std::size_t i = 0; i < rim.size(); ++i) {
     source[rim[i]] = rim_level[i];

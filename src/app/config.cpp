@@ -166,13 +166,14 @@ void read_dem(const Reader& dem, DemOptions& options) {
     options.enabled = dem.boolean();
     return;
   }
-  dem.require_keys({"cell_m", "max_edge_m", "format", "hillshade"});
+  dem.require_keys({"cell_m", "max_edge_m", "format", "hillshade", "change"});
   if (const Reader cell = dem.at("cell_m"); cell.is_given())
     options.cell_m = cell.real(1e-3, 1e6, "a length in metres from 0.001 to 1000000");
   if (const Reader edge = dem.at("max_edge_m"); edge.is_given())
     options.max_edge_m = edge.real(0, 1e9, "a length in metres, or 0 for no limit");
   if (const Reader format = dem.at("format"); format.is_given()) options.cog = format.choice({"COG", "tiles"}) == 0;
   if (const Reader hillshade = dem.at("hillshade"); hillshade.is_given()) options.hillshade = hillshade.boolean();
+  if (const Reader change = dem.at("change"); change.is_given()) options.change = change.boolean();
 }
 
 void read_output(const Reader& output, const std::filesystem::path& folder, OutputOptions& options) {
@@ -230,13 +231,58 @@ void read_triangulation(const Reader& triangulation, const std::filesystem::path
   }
 }
 
-void read_pits(const Reader& pits, PitOptions& options) {
-  pits.require_keys({"method", "outlets", "keep"});
-  pits.refuse_for_now("keep", "keep chosen pits");
+void read_keep(const Reader& keep, const std::filesystem::path& folder, KeepPits& options) {
+  keep.require_keys({"deeper_than_m", "larger_than_m2", "volume_above_m3", "inside", "ids", "combine"});
+  const auto read_limit = [&](const std::string& key, std::optional<double>& limit) {
+    if (const Reader value = keep.at(key); value.is_given()) limit = value.real(0, 1e15, "a number from 0 on");
+  };
+  read_limit("deeper_than_m", options.deeper_than_m);
+  read_limit("larger_than_m2", options.larger_than_m2);
+  read_limit("volume_above_m3", options.volume_above_m3);
+  if (const Reader inside = keep.at("inside"); inside.is_given())
+    options.inside = resolved(folder, inside.text("a file of polygons"));
+  if (const Reader ids = keep.at("ids"); ids.is_given()) {
+    const std::string allowed = "a list of ids from the layer pits";
+    for (const Reader& item : ids.list(allowed)) {
+      const double id = item.real(0, 1e15, allowed);
+      if (id != std::floor(id)) item.refuse(allowed);
+      options.ids.push_back(static_cast<std::uint64_t>(id));
+    }
+  }
+  if (const Reader combine = keep.at("combine"); combine.is_given())
+    options.all_conditions = combine.choice({"or", "and"}) == 1;
+}
+
+void read_pits(const Reader& pits, const std::filesystem::path& folder, PitOptions& options) {
+  pits.require_keys({"method", "measure", "max_breach_length_m", "max_breach_depth_m", "keep", "cheapest", "outlets",
+                     "voids_drain", "void_edge_m"});
   if (const Reader method = pits.at("method"); method.is_given())
-    options.method = method.choice({"none", "lift"}) == 0 ? PitMethod::none : PitMethod::lift;
-  if (const Reader outlets = pits.at("outlets"); outlets.is_given())
-    options.outlets = outlets.choice({"hull", "lowest"}) == 0 ? OutletPolicy::hull : OutletPolicy::lowest;
+    options.method = static_cast<PitMethod>(method.choice({"none", "lift", "breach", "greedy-breach", "least-change"}));
+  if (const Reader measure = pits.at("measure"); measure.is_given())
+    options.measure = static_cast<ChangeMeasure>(measure.choice({"total", "max", "count", "volume"}));
+  if (const Reader length = pits.at("max_breach_length_m"); length.is_given())
+    options.max_breach_length_m = length.real(0, 1e9, "a length in metres");
+  if (const Reader depth = pits.at("max_breach_depth_m"); depth.is_given())
+    options.max_breach_depth_m = depth.real(0, 1e6, "a height in metres");
+  read_keep(pits.at("keep"), folder, options.keep);
+  if (const Reader cheapest = pits.at("cheapest"); cheapest.is_given()) {
+    options.cheapest = cheapest.integer(0, 1'000'000'000'000);
+    if (options.keep.any())
+      fail(cheapest.place(), cheapest.name() + ": it says which pits to keep, as pits.keep does (give one of the two)");
+  }
+  if (const Reader outlets = pits.at("outlets"); outlets.is_given()) {
+    const std::string& text = outlets.text("hull, lowest, or a file of points, lines or polygons");
+    options.outlets = text == "hull"     ? OutletPolicy::hull
+                      : text == "lowest" ? OutletPolicy::lowest
+                                         : OutletPolicy::layer;
+    if (options.outlets == OutletPolicy::layer) options.outlet_layer = resolved(folder, text);
+    if (options.outlets == OutletPolicy::layer && !options.outlet_layer.starts_with("/vsi") &&
+        !std::filesystem::exists(options.outlet_layer))
+      outlets.refuse("hull, lowest, or a file of points, lines or polygons");
+  }
+  if (const Reader voids = pits.at("voids_drain"); voids.is_given()) options.voids_drain = voids.boolean();
+  if (const Reader edge = pits.at("void_edge_m"); edge.is_given())
+    options.void_edge_m = edge.real(1e-6, 1e9, "a length in metres above 0");
 }
 
 void read_run(const Reader& run, const std::filesystem::path& folder, ExecutionOptions& options) {
@@ -297,7 +343,7 @@ PipelineOptions read_config(const std::filesystem::path& path, std::span<const C
   if (const Reader target = tiles.at("target_points"); target.is_given())
     options.tiles.target_points = target.integer(1000, 1'000'000'000);
   read_triangulation(root.at("triangulation"), folder, options.triangulation);
-  read_pits(root.at("pits"), options.pits);
+  read_pits(root.at("pits"), folder, options.pits);
   read_run(root.at("run"), folder, options.run);
   return options;
 }

@@ -106,19 +106,21 @@ class Reader {
 
   void flatten(OGRGeometryH geometry, std::int64_t id, std::uint32_t layer, const gdal::MessageTrap& trap) {
     const OGRwkbGeometryType type = wkbFlatten(OGR_G_GetGeometryType(geometry));
-    const bool is_line = type == wkbLineString, is_polygon = type == wkbPolygon;
+    const bool is_line = type == wkbLineString, is_polygon = type == wkbPolygon, is_point = type == wkbPoint;
     if (type == wkbMultiLineString || type == wkbMultiPolygon || type == wkbGeometryCollection ||
         type == wkbMultiPoint) {
       for (int i = 0; i < OGR_G_GetGeometryCount(geometry); ++i)
         flatten(OGR_G_GetGeometryRef(geometry, i), id, layer, trap);
       return;
     }
-    const bool is_wanted = options_.geometry == VectorGeometry::line ? is_line : is_polygon;
+    const bool is_wanted = options_.geometry == VectorGeometry::line      ? is_line
+                           : options_.geometry == VectorGeometry::polygon ? is_polygon
+                                                                          : is_point;
     if (!is_wanted || OGR_G_IsEmpty(geometry) != 0 || (is_line && OGR_G_GetPointCount(geometry) < 2)) {
       ++parts_.num_other;
       return;
     }
-    if (is_line) add_ring(geometry, id, trap);
+    if (is_line || is_point) add_ring(geometry, id, trap);
     for (int i = 0; is_polygon && i < OGR_G_GetGeometryCount(geometry); ++i)
       add_ring(OGR_G_GetGeometryRef(geometry, i), id, trap);
     parts_.ring_begin.push_back(parts_.point_begin.size() - 1);

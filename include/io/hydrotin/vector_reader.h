@@ -10,7 +10,7 @@
 
 #include "hydrotin/vector.h"
 
-/// Lines and polygons from every vector format GDAL reads: GeoPackage, shapefile, GeoJSON, FlatGeobuf and others.
+/// Points, lines and polygons from every vector format GDAL reads: GeoPackage, shapefile, GeoJSON, FlatGeobuf and others.
 ///
 /// All layers are read in their order, all features in theirs. Parts of multi-geometries and collections become parts;
 /// curves become chains of segments. Everything is brought into one CRS.
@@ -20,12 +20,12 @@
 namespace hydrotin {
 
 struct VectorReadOptions {
-  VectorGeometry geometry = VectorGeometry::line;  ///< line or polygon; other kinds are skipped and counted
+  VectorGeometry geometry = VectorGeometry::line;  ///< other kinds are skipped and counted
   std::string target_wkt;       ///< CRS of the result; empty = as in the file, nothing is reprojected
   std::string missing_crs_wkt;  ///< of layers that name none; empty = they are taken to be in the target CRS
 };
 
-/// Parts as CSR. Part i has the rings ring_begin[i] .. ring_begin[i + 1] (a line has one), ring r the points
+/// Parts as CSR. Part i has the rings ring_begin[i] .. ring_begin[i + 1] (a line has one, a point one of one point), ring r the points
 /// point[point_begin[r] .. point_begin[r + 1]). P = parts.
 struct VectorParts {
   std::vector<std::size_t> ring_begin{0};

@@ -18,6 +18,10 @@ enum class Phase : std::uint8_t {
   join,         ///< 1 unit: which border pieces form one polygon, and who solves it
   seam,         ///< a unit per tile: the polygons that cross tiles
   mend,         ///< 1 unit: polygons that save local minima which others left
+  nest,         ///< a unit per tile: its pits, decided or reduced to a tree of pools
+  rank,         ///< 1 unit: which pit overflows where into which other
+  weigh,        ///< a unit per tile: what its shares of pools across tiles hold
+  choose,       ///< 1 unit: the pit hierarchy, and which pits to keep
   spill,        ///< a unit per tile: its merge tree reduced to its rim
   drain,        ///< 1 unit: spill level of every rim vertex
   pools,        ///< a unit per tile: levels, lakes, and the breaches of those inside
@@ -31,9 +35,10 @@ enum class Phase : std::uint8_t {
   report        ///< 1 unit: COG, hillshade, layers, figures
 };
 
-inline constexpr std::array<std::string_view, 19> kPhaseNames = {
-    "plan",  "ingest", "arrange", "outline", "triangulate", "join",   "seam",   "mend",   "spill", "drain",
-    "pools", "lakes",  "breach",  "members", "groups",      "settle", "finish", "raster", "report"};
+inline constexpr std::array<std::string_view, 23> kPhaseNames = {
+    "plan",   "ingest",  "arrange", "outline", "triangulate", "join",   "seam",  "mend",
+    "nest",   "rank",    "weigh",   "choose",  "spill",       "drain",  "pools", "lakes",
+    "breach", "members", "groups",  "settle",  "finish",      "raster", "report"};
 inline constexpr std::size_t kNumPhases = kPhaseNames.size();
 
 [[nodiscard]] constexpr std::string_view name(Phase phase) {

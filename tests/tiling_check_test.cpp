@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <set>
 
@@ -11,7 +12,6 @@
 #include "hydrotin/pipeline.h"
 #include "hydrotin/pits.h"
 #include "hydrotin/predicates.h"
-#include "temporary_folder.h"
 #include "terrain_file.h"
 #include "tiling_parts.h"
 
@@ -31,10 +31,11 @@ const Lattice kLattice{0.01, 0.01, 100.0, -50.0, 0.0, 3000, -4000, 0};
 
 PipelineOptions options_in(const testing::TemporaryFolder& folder) {
   PipelineOptions options;
-  options.output.dir = folder.path().string();
+  options.output.dir = folder.path();
   options.output.dem.enabled = false;
   options.output.mesh_ply = false;
   options.triangulation.order = 0;
+  options.pits.method = PitMethod::lift;
   return options;
 }
 
@@ -200,7 +201,7 @@ TerrainArrays read_arrays(const std::string& path) {
                            "final_plateau_vertex", "final_plateau_rim"})
     out.u64[name] = in.read<std::uint64_t>(name);
   out.u8["final_plateau_drains"] = in.read<std::uint8_t>("final_plateau_drains");
-  for (const char* name : {"fingerprint", "outlets"}) out.text[name] = in.text(name);
+  for (const char* name : {"fingerprint", "outlets", "pit_method"}) out.text[name] = in.text(name);
   out.number["pits_removed"] = in.integer("pits_removed");
   return out;
 }
@@ -232,7 +233,7 @@ class PlantedFault : public ::testing::Test {
     ASSERT_TRUE(check().ok);  // the faults below are in the change, not in writing the file again
   }
 
-  [[nodiscard]] DatasetSummary check() const { return check_dataset(folder_.path().string(), 0); }
+  [[nodiscard]] DatasetSummary check() const { return check_dataset(folder_.path(), 0); }
 
   // All problems, of which one has `words` and names the damaged file.
   std::vector<std::string> expect_problem(const std::string& words, const std::string& file = "tile_000000.h5") {
@@ -309,7 +310,7 @@ TEST_F(PlantedFault, FlippedEdgeHasTooHighAnOrder) {
   // Two triangles of one file over a convex quadrilateral.
   TerrainArrays bad = good_;
   auto& t = bad.u32["triangle"];
-  const TerrainTile tile = load_terrain_tile(load_index(folder_.path().string()), 0);
+  const TerrainTile tile = load_terrain_tile(load_index(folder_.path()), 0);
   const auto& p = tile.position;
   bool is_flipped = false;
   for (std::size_t i = 0; i < t.size() && !is_flipped; i += 3)
@@ -428,13 +429,13 @@ TEST_F(PlantedFault, WrongIndex) {
 TEST_F(PlantedFault, MissingFileIsNamed) {
   std::filesystem::remove(path_);
   expect_problem("missing");
-  testing::write_text(path_, "not HDF5");
+  std::ofstream(path_, std::ios::binary) << "not HDF5";
   expect_problem("not a readable HDF5 file");
 }
 
 // A flipped bit anywhere in the file is found, or it changed nothing that the file says.
 TEST_F(PlantedFault, FlippedBits) {
-  const std::string bytes = testing::read_text(path_);
+  const std::string bytes = testing::bytes_of(path_);
   const DatasetSummary good = check();
   testing::Random random(5);
   int found = 0;
@@ -443,7 +444,7 @@ TEST_F(PlantedFault, FlippedBits) {
     std::string bad = bytes;
     const std::size_t at = random.below(bad.size());
     bad[at] = static_cast<char>(bad[at] ^ (1 << random.below(8)));
-    testing::write_text(path_, bad);
+    std::ofstream(path_, std::ios::binary) << bad;
     SCOPED_TRACE("byte " + std::to_string(at));
     DatasetSummary summary;
     ASSERT_NO_THROW(summary = check());

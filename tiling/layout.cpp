@@ -32,4 +32,8 @@ std::string Layout::dem_tile(std::uint64_t tile) const {
   return out_ + "/dem/tile_" + six_digits(tile) + ".tif";
 }
 
+std::string Layout::change_tile(std::uint64_t tile) const {
+  return out_ + "/change/tile_" + six_digits(tile) + ".tif";
+}
+
 }  // namespace hydrotin

@@ -9,7 +9,7 @@
 /// Where files lie.
 ///
 ///     <output.dir>/terrain/tile_000000.h5, index.h5     the finished data set
-///     <output.dir>/mesh/tile_000000.ply  dem/tile_000000.tif  dem.tif  hillshade.png  layers.gpkg  pits.csv
+///     <output.dir>/mesh/tile_000000.ply  dem/tile_000000.tif  dem.tif  change/tile_000000.tif  change.tif  hillshade.png  layers.gpkg  pits.csv
 ///     report.json report.txt <scratch>/<phase>/000000.h5                        outputs of the phases before `finish`
 
 namespace hydrotin {
@@ -25,6 +25,8 @@ class Layout {
   [[nodiscard]] std::string index() const { return out_ + "/terrain/index.h5"; }
   [[nodiscard]] std::string mesh(std::uint64_t tile) const;
   [[nodiscard]] std::string dem_tile(std::uint64_t tile) const;
+  [[nodiscard]] std::string change_tile(std::uint64_t tile) const;
+  [[nodiscard]] std::string change() const { return out_ + "/change.tif"; }
   [[nodiscard]] std::string dem() const { return out_ + "/dem.tif"; }
   [[nodiscard]] std::string hillshade() const { return out_ + "/hillshade.png"; }
   [[nodiscard]] std::string layers() const { return out_ + "/layers.gpkg"; }

@@ -54,6 +54,11 @@ void remove_leftovers(const RunContext& context) {
   remove_tiles_from(dem_folder, wanted.dem.enabled ? tiles : 0);
   bool any = false;
   for (std::uint64_t t = 0; t < tiles && !any; ++t) any = fs::exists(layout.dem_tile(t));
+  const fs::path change_folder = fs::path(layout.change_tile(0)).parent_path();
+  const bool has_change = wants_change_raster(context.options);
+  remove_tiles_from(change_folder, has_change ? tiles : 0);
+  if (!has_change || !any) remove_leftover(change_folder / "mosaic.vrt");
+  if (!has_change || !any || !wanted.dem.cog) remove_leftover(layout.change());
   if (!any || !(wanted.dem.cog || wanted.dem.hillshade)) remove_leftover(dem_folder / "mosaic.vrt");
   if (!any || !wanted.dem.cog) remove_leftover(layout.dem());
   if (any && wanted.dem.hillshade) return;

@@ -57,6 +57,8 @@ void find_members(const RunContext& context, std::uint32_t tile);
 void join_groups(const RunContext& context);
 void settle_groups(const RunContext& context, std::uint32_t tile);
 void finish_tile(const RunContext& context, std::uint32_t tile);
+/// Whether there are rasters of the change.
+[[nodiscard]] bool wants_change_raster(const PipelineOptions& options);
 void rasterize_tile(const RunContext& context, std::uint32_t tile);
 void write_report(const RunContext& context);
 

@@ -48,28 +48,64 @@ LatticeBox around_rows(const RasterFrame& frame, const Lattice& lattice, const C
           {static_cast<std::int32_t>(kMost), static_cast<std::int32_t>(high)}};
 }
 
-struct DemCount {
+struct RasterCount {
   std::int64_t cells = 0, with_height = 0;
 };
 
-DemCount write_dem(const RunContext& context, std::uint32_t tile) {
-  const DemOptions& dem = context.options.output.dem;
-  const Lattice& lattice = context.plan.lattice;
-  const LatticeBox bounds = context.outline.bounds();
-  const LatticeBox box = intersection(context.plan.core[tile], bounds);
-  const RasterFrame frame = frame_around(lattice, bounds, dem.cell_m / context.plan.metres_per_unit);
-  const CellRange window = cells_in(frame, lattice, box);
-  if (window.is_empty()) {
-    remove_leftover(context.layout.dem_tile(tile));
-    return {};
+// The triangles that pit removal moved, at the heights of the change: 0 where the lattice says 0.
+void keep_changed(TrianglePatch& patch) {
+  for (std::size_t v = 0; v < patch.height.size(); ++v) patch.height[v] -= patch.measured[v];
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < patch.triangle.size(); t += 3) {
+    const std::uint32_t* v = &patch.triangle[t];
+    if (patch.height[v[0]] == 0 && patch.height[v[1]] == 0 && patch.height[v[2]] == 0) continue;
+    std::copy_n(v, 3, &patch.triangle[kept]);
+    kept += 3;
   }
-  const std::int64_t columns = window.num_columns(), rows = window.num_rows();
+  patch.triangle.resize(kept);
+}
+
+enum class RasterKind : std::uint8_t { heights, change };
+
+// The window of a tile in the raster of the whole.
+struct TileWindow {
+  LatticeBox box;
+  RasterFrame frame;
+  CellRange cells;
+};
+
+TileWindow window_of(const RunContext& context, std::uint32_t tile) {
+  const LatticeBox bounds = context.outline.bounds();
+  const double cell = context.options.output.dem.cell_m / context.plan.metres_per_unit;
+  TileWindow out{intersection(context.plan.core[tile], bounds), frame_around(context.plan.lattice, bounds, cell), {}};
+  out.cells = cells_in(out.frame, context.plan.lattice, out.box);
+  return out;
+}
+
+void require_memory(const RunContext& context, std::uint32_t tile, const CellRange& cells) {
+  const std::int64_t columns = cells.num_columns(), rows = cells.num_rows();
   if (columns > kMostCells / rows ||
       static_cast<std::uint64_t>(columns) * kBlockRows * sizeof(float) > context.options.run.memory_bytes)
     throw Error(ErrorKind::resource, context.layout.dem_tile(tile) + ": tile " + std::to_string(tile) + " has " +
                                          std::to_string(columns) + " x " + std::to_string(rows) +
                                          " DEM cells, more than 2^31, or than 256 rows of them in memory; raise "
                                          "output.dem.cell_m or lower tiles.target_points");
+}
+
+RasterCount write_raster(const RunContext& context, std::uint32_t tile, RasterKind kind, const std::string& path) {
+  const DemOptions& dem = context.options.output.dem;
+  Lattice lattice = context.plan.lattice;
+  const auto [box, frame, window] = window_of(context, tile);
+  if (window.is_empty()) {
+    remove_leftover(path);
+    return {};
+  }
+  require_memory(context, tile, window);
+  if (kind == RasterKind::change) {  // differences have no offset
+    lattice.base_z = 0;
+    lattice.offset_z = 0;
+  }
+  const std::int64_t columns = window.num_columns(), rows = window.num_rows();
   const std::uint64_t limit =
       dem.max_edge_m > 0 ? squared_edge_limit(dem.max_edge_m / context.plan.metres_per_unit, lattice) : kNoEdgeLimit;
   const std::vector<LatticeBox> parts = bounds_of_parts(context);
@@ -81,7 +117,8 @@ DemCount write_dem(const RunContext& context, std::uint32_t tile) {
     const LatticeBox reach = intersection(with_far_sides(box), around_rows(frame, lattice, band));
     for (std::uint32_t t = 0; t < parts.size(); ++t) {
       if (!parts[t].intersects(reach)) continue;
-      const TrianglePatch patch = read_patch(store::Reader(context.layout.unit(Phase::finish, t)), reach);
+      TrianglePatch patch = read_patch(store::Reader(context.layout.unit(Phase::finish, t)), reach);
+      if (kind == RasterKind::change) keep_changed(patch);
       with_height += rasterize(patch.position, patch.height, patch.triangle, lattice, frame, band, limit, value);
     }
   };
@@ -92,19 +129,27 @@ DemCount write_dem(const RunContext& context, std::uint32_t tile) {
                         static_cast<std::uint32_t>(columns),
                         static_cast<std::uint32_t>(rows)};
   const std::int64_t blocks = std::max<std::int64_t>(kBandCells / (columns * kBlockRows), 1);
-  write_geotiff(context.layout.dem_tile(tile), grid, static_cast<std::uint32_t>(blocks * kBlockRows), fill,
-                context.plan.crs_wkt);
+  write_geotiff(path, grid, static_cast<std::uint32_t>(blocks * kBlockRows), fill, context.plan.crs_wkt);
   return {columns * rows, static_cast<std::int64_t>(with_height)};
 }
 
 }  // namespace
 
+bool wants_change_raster(const PipelineOptions& options) {
+  return options.output.dem.enabled && options.output.dem.change && options.pits.method != PitMethod::none;
+}
+
 void rasterize_tile(const RunContext& context, std::uint32_t tile) {
-  const DemCount count = context.options.output.dem.enabled ? write_dem(context, tile) : DemCount{};
+  RasterCount dem, change;
+  if (context.options.output.dem.enabled)
+    dem = write_raster(context, tile, RasterKind::heights, context.layout.dem_tile(tile));
+  if (wants_change_raster(context.options))
+    change = write_raster(context, tile, RasterKind::change, context.layout.change_tile(tile));
   store::Writer marker(context.layout.unit(Phase::raster, tile));
   marker.set("recipe", context.recipe(Phase::raster));
-  marker.set("cells", count.cells);
-  marker.set("cells_with_height", count.with_height);
+  marker.set("cells", dem.cells);
+  marker.set("cells_with_height", dem.with_height);
+  marker.set("cells_changed", change.with_height);
   marker.commit();
 }
 

@@ -57,7 +57,8 @@ std::string recipe(const std::string& plan_recipe, const PipelineOptions& option
         .add(options.output.dem.cell_m)
         .add(options.output.dem.max_edge_m)
         .add(std::int64_t{options.output.dem.cog})
-        .add(std::int64_t{options.output.dem.hillshade});
+        .add(std::int64_t{options.output.dem.hillshade})
+        .add(std::int64_t{options.output.dem.change});
   return hash.hex();
 }
 

@@ -215,7 +215,7 @@ void write_rasters(const RunContext& context) {
   std::vector<fs::path> tiles;
   for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t)
     if (fs::exists(context.layout.dem_tile(t))) tiles.emplace_back(context.layout.dem_tile(t));
-  if (tiles.empty() || (!dem.cog && !dem.hillshade)) return;
+  if (tiles.empty() || (!dem.cog && !dem.hillshade && !wants_change_raster(context.options))) return;
   MosaicOptions options;
   options.num_threads = static_cast<int>(worker_count(context.options.run));
   options.cache_bytes = static_cast<std::int64_t>(
@@ -223,6 +223,13 @@ void write_rasters(const RunContext& context) {
   const std::string mosaic = context.layout.out() + "/dem/mosaic.vrt";
   write_virtual_mosaic(mosaic, tiles);
   if (dem.cog) write_cloud_optimized_geotiff(context.layout.dem(), tiles, options);
+  if (wants_change_raster(context.options)) {
+    std::vector<fs::path> changes;
+    for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t)
+      if (fs::exists(context.layout.change_tile(t))) changes.emplace_back(context.layout.change_tile(t));
+    write_virtual_mosaic(context.layout.out() + "/change/mosaic.vrt", changes);
+    if (dem.cog) write_cloud_optimized_geotiff(context.layout.change(), changes, options);
+  }
   if (dem.hillshade)
     write_hillshade(context.layout.hillshade(), dem.cog ? context.layout.dem() : mosaic, 4096, options);
 }
@@ -437,8 +444,10 @@ std::vector<std::pair<std::string, std::uint64_t>> list_outputs(const RunContext
   for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t) {
     if (context.options.output.mesh_ply) add(context.layout.mesh(t));
     if (context.options.output.dem.enabled) add(context.layout.dem_tile(t));
+    if (wants_change_raster(context.options)) add(context.layout.change_tile(t));
   }
   if (context.options.output.dem.enabled && context.options.output.dem.cog) add(context.layout.dem());
+  if (wants_change_raster(context.options) && context.options.output.dem.cog) add(context.layout.change());
   if (context.options.output.dem.enabled && context.options.output.dem.hillshade) add(context.layout.hillshade());
   for (const auto& path :
        {context.layout.layers(), context.layout.pits_csv(), context.layout.report_json(), context.layout.report_text()})

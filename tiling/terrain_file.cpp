@@ -38,12 +38,14 @@ void read_own(const store::Reader& in, std::span<const std::uint32_t> index, Tri
     const std::uint64_t begin = index[first], count = std::uint64_t{index[last - 1]} + 1 - begin;
     const auto x = in.read_range<std::int32_t>("x", begin, count);
     const auto y = in.read_range<std::int32_t>("y", begin, count);
+    const auto z = in.read_range<std::int32_t>("z", begin, count);
     const auto height = in.read_range<std::int32_t>("height", begin, count);
     for (; first < last; ++first) {
       const std::size_t i = index[first] - begin;
       if (height[i] == kUnusedHeight) damaged(in, "a triangle uses a point without a height");
       patch.position.push_back({x[i], y[i]});
       patch.height.push_back(height[i]);
+      patch.measured.push_back(z[i]);
     }
   }
 }
@@ -57,6 +59,7 @@ void read_foreign(const store::Reader& in, std::span<const std::uint32_t> number
     if (f >= height.size()) damaged(in, "a triangle refers to a vertex that is not listed");
     patch.position.push_back({xyz[3 * std::size_t{f}], xyz[3 * std::size_t{f} + 1]});
     patch.height.push_back(height[f]);
+    patch.measured.push_back(xyz[3 * std::size_t{f} + 2]);
   }
 }
 

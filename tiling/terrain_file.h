@@ -23,12 +23,14 @@
 ///     pit_xyz         i32 [3Q]  pits before lifting inside this part: place and height
 ///     pit_level       i32 [Q]   where they overflow
 ///     pit_vertices    u64 [Q]   vertices of their plateaus
+///     outlet_vertex   u32       vertices at which water may leave by a layer or at voids, numbered as in triangle
+///     kept_vertex     u32       vertices of pits that were to be kept
 ///     final_...                 plateaus of the final heights (see reduced_store.h)
 ///     lattice_scale_offset f64 [5], lattice_base i64 [3]
 ///                               coordinate = (base + integer) * scale + offset
 ///
-/// Attributes: tile, crs, points, vertices, triangles, rim_vertices, order, outlets (hull, lowest), pits_removed (0,
-/// 1), inner_lifted, inner_lift_total, inner_lift_max (vertices off the rim), fingerprint, recipe, writer.
+/// Attributes: tile, crs, points, vertices, triangles, rim_vertices, order, outlets (hull, lowest, layer), pits_removed
+/// (0, 1), pit_method, fingerprint, recipe, writer.
 
 namespace hydrotin {
 
@@ -43,6 +45,7 @@ void write_lattice(store::Writer& out, const Lattice& lattice);
 struct TrianglePatch {
   std::vector<LatticePoint> position;
   std::vector<std::int32_t> height;     ///< final
+  std::vector<std::int32_t> measured;
   std::vector<std::uint32_t> triangle;  ///< [3T]
 };
 

@@ -255,7 +255,8 @@ TEST(Objectives, FallbackIsNeverWorseThanDelaunayAndBounded) {
       const auto kept = solve(terrain, 3, {.objectives = {objective}, .max_triangles = 2});
       const auto exact = solve(terrain, 3, {.objectives = {objective}});
       const auto plain = solve(terrain, 0, {.objectives = {objective}});
-      EXPECT_GT(kept.fallbacks, 0U);
+      // Flips that serve every vertex are an optimum, and no fallback.
+      EXPECT_TRUE(kept.fallbacks > 0 || (objective == Objective::local_minima && kept.optimal));
       EXPECT_LE(sign * kept.value(), sign * plain.value() + 1e-7 * std::abs(plain.value()));
       EXPECT_LE(sign * kept.bound, sign * exact.value() + 1e-7 * std::abs(exact.value())) << "a false bound";
       if (is_exact(objective)) {

@@ -62,9 +62,9 @@ struct PolygonSolver::Impl {
       case Objective::min_sum_inradius:
         return to_fixed(inradius(a, b, c));
       case Objective::min_squared_error:
-        return to_fixed(error[t].squared);
+        return error[t].squared.units();
       case Objective::min_absolute_error:
-        return to_fixed(error[t].absolute);
+        return error[t].absolute.units();
       case Objective::local_minima:
         return 0;  // counted at vertices
       default:     // the number of foreign sides
@@ -456,29 +456,13 @@ struct PolygonSolver::Impl {
 
   void add_delaunay_errors(PolygonResult& result) const {
     const ErrorLimit* limit = options.max_error ? &*options.max_error : nullptr;
-    // In an order of their own, because sums are rounded.
-    std::vector<ReferencePoint> points(problem->reference.begin(), problem->reference.end());
-    std::sort(points.begin(), points.end(), [](const ReferencePoint& p, const ReferencePoint& q) {
-      return std::pair{p.position, p.height} < std::pair{q.position, q.height};
-    });
-    for (const ReferencePoint& p : points) result.error.add(distance_from(p, problem->delaunay[p.triangle]), limit);
+    for (const ReferencePoint& p : problem->reference)
+      result.error.add(distance_from(p, problem->delaunay[p.triangle]), limit);
   }
 
-  // By triangles in (x, y) order, because sums are rounded.
   void add_errors(PolygonResult& result) {
     if (error.empty()) error = reference_errors(graph, options.max_error ? &*options.max_error : nullptr);
-    std::sort(answer.triangle.begin(), answer.triangle.end(), [&](std::uint32_t s, std::uint32_t t) {
-      auto a = corners(s), b = corners(t);
-      std::sort(a.begin(), a.end());
-      std::sort(b.begin(), b.end());
-      return a < b;
-    });
-    for (const std::uint32_t t : answer.triangle) {
-      result.error.squared += error[t].squared;
-      result.error.absolute += error[t].absolute;
-      result.error.largest = std::max(result.error.largest, error[t].largest);
-      result.error.within_limit = result.error.within_limit && error[t].within_limit;
-    }
+    for (const std::uint32_t t : answer.triangle) result.error.add(error[t]);
   }
 
   [[nodiscard]] VerticalDistance distance_from(const ReferencePoint& p, const std::array<std::uint32_t, 3>& t) const {

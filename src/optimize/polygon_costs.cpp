@@ -1,20 +1,6 @@
 #include "polygon_costs.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace hydrotin {
-
-Wide to_fixed(double value) {
-  // In two steps, because a double of 2^120 holds no fraction but the conversion must not overflow.
-  const double scaled = std::ldexp(value, kFractionBits);
-  constexpr double kLargest = 0x1p120;
-  return static_cast<Wide>(std::nearbyint(std::clamp(scaled, -kLargest, kLargest)));
-}
-
-double from_fixed(Wide value) {
-  return std::ldexp(static_cast<double>(value), -kFractionBits);
-}
 
 void mark_served(const PolygonGraph& graph, const std::vector<std::uint32_t>& triangles,
                  std::vector<std::uint8_t>& served) {

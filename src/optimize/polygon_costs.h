@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "hydrotin/exact_sum.h"
 #include "polygon_graph.h"
 
 /// What a search minimises: a vector of sums over triangles, compared from the first slot on. One slot may count
@@ -13,14 +14,7 @@
 
 namespace hydrotin {
 
-__extension__ using Wide = __int128;
-
 inline constexpr int kMaxSlots = 8;
-inline constexpr int kFractionBits = 40;
-
-/// Nearest fixed-point number. Precondition: |value| < 2^80.
-[[nodiscard]] Wide to_fixed(double value);
-[[nodiscard]] double from_fixed(Wide value);
 
 struct PolygonCosts {
   int num_slots = 1;

@@ -84,6 +84,10 @@ struct PolygonSolver::Impl {
     costs.num_slots = std::max(1, static_cast<int>(slots.size()));
     const auto minima = std::find(slots.begin(), slots.end(), Objective::local_minima);
     costs.minima_slot = minima == slots.end() ? -1 : static_cast<int>(minima - slots.begin());
+    costs.counts_foreign = slots == std::vector{Objective::local_minima, Objective::delaunay};
+    costs.foreign = graph.foreign_sides();
+    costs.cost.clear();
+    if (costs.counts_foreign) return;
     costs.cost.assign(std::size_t{graph.num_triangles()} * static_cast<std::size_t>(costs.num_slots), 0);
     for (std::uint32_t t = 0; t < graph.num_triangles(); ++t)
       for (std::size_t s = 0; s < slots.size(); ++s)
@@ -112,7 +116,7 @@ struct PolygonSolver::Impl {
   [[nodiscard]] double side_bound() const {
     double bound = -kInfinity;
     for (std::uint32_t e = 0; e < graph.num_edges(); ++e) {
-      const std::uint32_t twin = graph.find(graph.edge(e).target, graph.edge(e).origin);
+      const std::uint32_t twin = PolygonGraph::twin(e);
       if (!graph.edge(twin).is_boundary || graph.edge(e).first_option == kNoEdge) continue;
       double least = kInfinity;
       for (std::uint32_t o = graph.edge(e).first_option; o != kNoEdge; o = graph.option(o).next)
@@ -217,7 +221,7 @@ struct PolygonSolver::Impl {
     const bool is_sum = kind_of(first()) == ObjectiveKind::quadrilateral_sum;
     double best = kInfinity, bound = kInfinity;
     std::uint64_t best_foreign = 0;
-    search.for_each_way(blocked, [&](const auto& way_blocked, const auto& closed) {
+    search.for_each_way(blocked, [&](const auto& way_blocked, const auto& closed, std::uint32_t) {
       ++result.programs;
       if (!program.run(graph, options, beyond, way_blocked, closed, triangles) || triangles.size() != size()) return;
       bound = std::min(bound, program.value() - (is_sum ? num_uncounted(closed) : 0));
@@ -239,7 +243,7 @@ struct PolygonSolver::Impl {
   [[nodiscard]] double num_uncounted(const std::vector<std::uint8_t>& closed) const {
     double count = 0;
     for (std::uint32_t e = 0; e < graph.num_edges(); ++e) {
-      const std::uint32_t twin = graph.find(graph.edge(e).target, graph.edge(e).origin);
+      const std::uint32_t twin = PolygonGraph::twin(e);
       count += e < twin && (closed[e] || (graph.edge(e).is_boundary && graph.edge(twin).is_boundary));
     }
     return count;
@@ -258,7 +262,7 @@ struct PolygonSolver::Impl {
 
   bool try_degree(std::uint32_t most, std::vector<std::uint32_t>& triangles, PolygonResult& result) {
     bool found = false;
-    search.for_each_way(blocked, [&](const auto& way_blocked, const auto& closed) {
+    search.for_each_way(blocked, [&](const auto& way_blocked, const auto& closed, std::uint32_t) {
       if (found) return;
       ++result.programs;
       found = triangulate_with_degree(graph, most, way_blocked, closed, triangles) && triangles.size() == size();
@@ -402,7 +406,7 @@ struct PolygonSolver::Impl {
     std::vector<std::uint8_t> count(problem->position.size(), 0);
     bool repeated = false;
     for (std::uint32_t e = 0; e < graph.num_edges(); ++e) {
-      const std::uint32_t twin = graph.find(graph.edge(e).target, graph.edge(e).origin);
+      const std::uint32_t twin = PolygonGraph::twin(e);
       if (graph.edge(twin).is_boundary) repeated = repeated || count[graph.edge(e).origin]++ > 0;
     }
     return repeated || problem->components > 0;
@@ -502,10 +506,8 @@ struct PolygonSolver::Impl {
   void find_servable() {
     served.assign(problem->position.size(), 0);
     for (std::uint32_t e = 0; e < graph.num_edges(); ++e) {
-      const std::uint32_t v = graph.edge(e).origin, w = graph.edge(e).target, twin = graph.find(w, v);
-      if (graph.edge(e).is_boundary || graph.edge(twin).is_boundary) continue;
-      if (!is_lower(problem->height[w], problem->position[w], problem->height[v], problem->position[v])) continue;
-      if (has_admissible(e) && has_admissible(twin)) served[v] = 1;
+      if (!graph.is_inner(e) || !graph.edge(e).goes_down) continue;
+      if (has_admissible(e) && has_admissible(PolygonGraph::twin(e))) served[graph.edge(e).origin] = 1;
     }
     for (std::uint32_t v = 0; v < served.size(); ++v)
       if (served[v]) servable.push_back(v);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "hydrotin/exact_sum.h"
@@ -18,13 +19,16 @@ inline constexpr int kMaxSlots = 8;
 
 struct PolygonCosts {
   int num_slots = 1;
-  int minima_slot = -1;    ///< the slot that counts served vertices, as negative gains
-  std::vector<Wide> cost;  ///< [triangles * num_slots]
+  int minima_slot = -1;                   ///< the slot that counts served vertices, as negative gains
+  bool counts_foreign = false;            ///< two slots: local minima, then sides that are no Delaunay edges
+  std::vector<Wide> cost;                 ///< [triangles * num_slots], or empty where foreign sides are counted
+  std::span<const std::uint8_t> foreign;  ///< [triangles] of the graph
 
   /// What a vertex that wants a lower neighbour is worth if it gets one, by `wants_lower`.
   static constexpr std::array<Wide, 3> kGain{0, 1, Wide{1} << 40};
 
   [[nodiscard]] Wide of(std::uint32_t triangle, int slot) const {
+    if (counts_foreign) return slot == 1 ? foreign[triangle] : 0;
     return cost[std::size_t{triangle} * static_cast<std::size_t>(num_slots) + static_cast<std::size_t>(slot)];
   }
 };

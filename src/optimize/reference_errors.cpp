@@ -98,9 +98,8 @@ class Flood {
         const ReferencePoint& p = graph_.problem().reference[point_[i]];
         if (owns(c[0], c[1], c[2], p.position, p.on_rim)) found_.push_back(point_[i]);
       }
-      const auto& v = graph_.triangle(d);
       for (std::size_t i = 0; i < 3; ++i) {
-        const std::uint32_t beyond = delaunay_left_of(graph_.find(v[(i + 1) % 3], v[i]));
+        const std::uint32_t beyond = delaunay_left_of(PolygonGraph::twin(graph_.side(d, i)));
         if (beyond != kNoEdge) visit(beyond, t);
       }
     }

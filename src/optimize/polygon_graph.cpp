@@ -74,7 +74,7 @@ void PolygonGraph::build(const PolygonProblem& problem) {
   options_.resize(3 * std::size_t{num_triangles()});
   foreign_.resize(num_triangles());
   const auto num_delaunay = static_cast<std::uint32_t>(problem.delaunay.size());
-  slot_.assign(std::bit_ceil(std::max(16 * problem.position.size(), std::size_t{6} * num_triangles())), Slot{});
+  slot_.assign(std::bit_ceil(std::max(8 * problem.position.size(), std::size_t{4} * num_triangles())), Slot{});
   for (std::uint32_t t = 0; t < num_delaunay; ++t) add_triangle(t, true);
   for (std::uint32_t t = num_delaunay; t < num_triangles(); ++t) add_triangle(t, false);
   for_sides([&](std::uint32_t a, std::uint32_t b) { edges_[twin(find_or_add(a, b))].is_boundary = true; });

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "exact_sum.h"
+#include "hydrotin/exact_sum.h"
 #include "hydrotin/pit_components.h"
 #include "phases.h"
 #include "store.h"

@@ -16,6 +16,19 @@ struct OpenLake {
   std::vector<Cell> cells;  // ascending
 };
 
+void sort_unique(std::vector<Cell>& cells) {
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+}
+
+// The cells around some, and these: where searches go on next.
+void add_around(const std::vector<Cell>& cells, OpenLake& lake) {
+  for (const Cell& c : cells)
+    for (int dx = -1; dx <= 1; ++dx)
+      for (int dy = -1; dy <= 1; ++dy) lake.cells.emplace_back(c.first + dx, c.second + dy);
+  sort_unique(lake.cells);
+}
+
 std::vector<OpenLake> read_own_lakes(const RunContext& context, std::uint32_t tile) {
   const store::Reader in(context.layout.unit(Phase::lakes, 0));
   const auto begin = in.read_range<std::uint64_t>("lake_begin", tile, 2);
@@ -29,13 +42,9 @@ std::vector<OpenLake> read_own_lakes(const RunContext& context, std::uint32_t ti
     lake.seed = seed[i];
     for (std::uint64_t c = cell_begin[i] - cell_begin[0]; c < cell_begin[i + 1] - cell_begin[0]; ++c)
       lake.cells.emplace_back(cell[2 * c], cell[2 * c + 1]);
+    add_around(std::vector<Cell>(lake.cells), lake);  // most searches look a little farther than the lake
   }
   return out;
-}
-
-void sort_unique(std::vector<Cell>& cells) {
-  std::sort(cells.begin(), cells.end());
-  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
 }
 
 // The cells with those around them, where searches go on next.
@@ -43,17 +52,14 @@ void add_cells(const CellGrid& grid, const Surface& window, std::span<const std:
   std::vector<Cell> found;
   for (const std::uint32_t v : unknown) found.push_back(grid.of(window.position[v]));
   sort_unique(found);
-  for (const Cell& c : found)
-    for (int dx = -1; dx <= 1; ++dx)
-      for (int dy = -1; dy <= 1; ++dy) lake.cells.emplace_back(c.first + dx, c.second + dy);
-  sort_unique(lake.cells);
+  add_around(found, lake);
 }
 
 // Lakes that fit in memory together, the first at least.
 std::size_t batch_of(const RunContext& context, std::span<const OpenLake> lakes, std::vector<Cell>& cells) {
-  constexpr std::uint64_t kCellBytes = 512 * CellGrid::kVertices;
+  constexpr std::uint64_t kCellBytes = 256 * CellGrid::kVertices;
   const std::uint64_t most = std::max<std::uint64_t>(
-      context.options.run.memory_bytes / (4 * worker_count(context.options.run) * kCellBytes), 16);
+      context.options.run.memory_bytes / (4 * worker_count(context.options.run) * kCellBytes), 64);
   std::set<Cell> chosen;
   std::size_t num_lakes = 0;
   for (const OpenLake& lake : lakes) {

@@ -37,22 +37,25 @@ class TileMembers {
  private:
   void add_paths() {
     if (context_.options.pits.method == PitMethod::lift) return;
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> vertex_of;
-    for (std::uint32_t v = 0; v < surface_.num_vertices(); ++v) vertex_of.emplace_back(surface_.point[v], v);
-    std::sort(vertex_of.begin(), vertex_of.end());
+    // Points are two ascending runs: the tile's own, then those of others.
+    const auto middle = std::is_sorted_until(surface_.point.begin(), surface_.point.end());
     const auto add = [&](const store::Reader& in) {
-      auto at = vertex_of.begin();
-      for (const auto& [point, level] : read_path_members(in)) {
-        at = std::lower_bound(at, vertex_of.end(), std::pair{point, std::uint32_t{0}});
-        if (at == vertex_of.end()) return;
-        if (at->first != point) continue;
-        is_member_[at->second] = 1;
-        std::int32_t& breached = components.breached[at->second];
-        breached = std::min(breached, level);
+      const auto members = read_path_members(in);
+      for (const auto& [first, last] : {std::pair{surface_.point.begin(), middle}, {middle, surface_.point.end()}}) {
+        auto at = first;
+        for (const auto& [point, level] : members) {
+          at = std::lower_bound(at, last, point);
+          if (at == last) break;
+          if (*at != point) continue;
+          const auto v = static_cast<std::size_t>(at - surface_.point.begin());
+          is_member_[v] = 1;
+          components.breached[v] = std::min(components.breached[v], level);
+        }
       }
     };
     add(store::Reader(context_.layout.unit(Phase::pools, tile_)));
-    for (std::uint32_t t = 0; t < context_.plan.num_tiles(); ++t) add(store::Reader(context_.layout.unit(Phase::breach, t)));
+    for (std::uint32_t t = 0; t < context_.plan.num_tiles(); ++t)
+      add(store::Reader(context_.layout.unit(Phase::breach, t)));
   }
 
   // Groups that other tiles may belong to become pieces; the others are components.

@@ -18,7 +18,7 @@ namespace {
 
 // Some of the vertices of a file, by ascending number, in stretches without wide gaps.
 void read_vertices(const store::Reader& in, std::span<const std::uint32_t> number, Surface& out) {
-  constexpr std::uint32_t kGap = 4096;
+  constexpr std::uint32_t kGap = 16384;  // a chunk of the store is read whole anyway
   for (std::size_t first = 0; first < number.size();) {
     std::size_t last = first + 1;
     while (last < number.size() && number[last] - number[last - 1] <= kGap) ++last;
@@ -62,14 +62,20 @@ Surface read_share(const store::Reader& in, const CellGrid& grid, std::span<cons
     contradicts(in.path(), "its arrays have different lengths");
   constexpr std::uint64_t kRun = std::uint64_t{3} * kRunTriangles;
   std::vector<std::uint32_t> triangle;
-  for (std::size_t first = 0; first < boxes.size(); ++first) {
-    if (!meets(boxes[first], grid, cells)) continue;
-    std::size_t last = first + 1;
-    while (last < boxes.size() && meets(boxes[last], grid, cells)) ++last;
-    const std::uint64_t begin = first * kRun, end = std::min<std::uint64_t>(last * kRun, size);
+  constexpr std::size_t kRunGap = 5;  // a chunk of the store has so many runs
+  std::vector<std::size_t> wanted;
+  for (std::size_t run = 0; run < boxes.size(); ++run)
+    if (meets(boxes[run], grid, cells)) wanted.push_back(run);
+  for (std::size_t i = 0; i < wanted.size();) {
+    std::size_t last = i + 1;
+    while (last < wanted.size() && wanted[last] - wanted[last - 1] <= kRunGap) ++last;
+    const std::uint64_t begin = wanted[i] * kRun, end = std::min<std::uint64_t>((wanted[last - 1] + 1) * kRun, size);
     const auto piece = in.read_range<std::uint32_t>("triangle", begin, end - begin);
-    triangle.insert(triangle.end(), piece.begin(), piece.end());
-    first = last;
+    for (; i < last; ++i) {
+      const auto from = piece.begin() + static_cast<std::ptrdiff_t>(wanted[i] * kRun - begin);
+      const auto until = piece.begin() + static_cast<std::ptrdiff_t>(std::min((wanted[i] + 1) * kRun, size) - begin);
+      triangle.insert(triangle.end(), from, until);
+    }
   }
   if (std::any_of(triangle.begin(), triangle.end(), [&](std::uint32_t v) { return v >= n; }))
     contradicts(in.path(), "a triangle refers to a vertex that is not listed");

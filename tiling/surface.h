@@ -48,11 +48,11 @@ void write_surface(store::Writer& out, const Surface& surface);
 /// A cell of a fixed grid over the lattice.
 using Cell = std::pair<std::int32_t, std::int32_t>;
 
-/// Squares of lattice points, each with about a thousand vertices if these were spread evenly. The result of a phase
+/// Squares of lattice points, each with about 256 vertices if these were spread evenly. The result of a phase
 /// does not depend on their size.
 class CellGrid {
  public:
-  static constexpr std::uint64_t kVertices = 1024;
+  static constexpr std::uint64_t kVertices = 256;
   explicit CellGrid(const Outline& outline);
   [[nodiscard]] Cell of(LatticePoint p) const { return {p.x >> shift_, p.y >> shift_}; }
   [[nodiscard]] LatticeBox box(const Cell& cell) const;

@@ -25,6 +25,7 @@ double price_of(RowKind kind) {
   switch (kind) {
     case RowKind::flow:
     case RowKind::valley:
+    case RowKind::chain:
       return 256;
     case RowKind::lake:
       return 64;
@@ -52,6 +53,8 @@ class Solver {
         touched_(terrain.num_vertices(), 0),
         status_(2 * std::size_t{terrain.num_vertices()}, kAtLower) {
     std::iota(parent_.begin(), parent_.end(), 0u);
+    edges_.assign(rivers.begin(), rivers.end());
+    edges_.insert(edges_.end(), options.constraints.chain.begin(), options.constraints.chain.end());
   }
 
   Embedding run() {
@@ -245,11 +248,11 @@ class Solver {
   [[nodiscard]] std::vector<double> burn() const {
     std::vector<double> potential(d_.size(), 0), lowered(d_.size(), 0);
     raise_upstream(potential);
-    const RiverNetworks networks = connect_networks(terrain_, rivers_);
+    const RiverNetworks networks = connect_networks(terrain_, edges_);
     std::vector<double> level(networks.num_networks, std::numeric_limits<double>::infinity());
     std::unordered_map<std::uint32_t, std::uint32_t> network_of;
-    for (std::size_t e = 0; e < rivers_.size(); ++e)
-      for (const std::uint32_t v : {rivers_[e].from, rivers_[e].to}) network_of.emplace(v, networks.network[e]);
+    for (std::size_t e = 0; e < edges_.size(); ++e)
+      for (const std::uint32_t v : {edges_[e].from, edges_[e].to}) network_of.emplace(v, networks.network[e]);
     for (const auto& [v, network] : network_of)
       level[network] = std::min(level[network], terrain_.height[v] - potential[v]);
     for (const Row& row : catalog_.listed()) {
@@ -270,11 +273,11 @@ class Solver {
     std::unordered_map<std::uint32_t, std::uint32_t> open;  // edges down that are not yet used
     std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> above;
     std::vector<std::uint32_t> ready;
-    for (std::uint32_t e = 0; e < rivers_.size(); ++e) {
-      ++open[rivers_[e].from];
-      above[rivers_[e].to].push_back(e);
+    for (std::uint32_t e = 0; e < edges_.size(); ++e) {
+      ++open[edges_[e].from];
+      above[edges_[e].to].push_back(e);
     }
-    for (const auto& edge : rivers_)
+    for (const auto& edge : edges_)
       if (!open.contains(edge.to)) ready.push_back(edge.to);
     std::sort(ready.begin(), ready.end());
     ready.erase(std::unique(ready.begin(), ready.end()), ready.end());
@@ -284,9 +287,9 @@ class Solver {
       const auto found = above.find(v);
       if (found == above.end()) continue;
       for (const std::uint32_t e : found->second) {
-        const std::uint32_t u = rivers_[e].from;
-        potential[u] =
-            std::max(potential[u], potential[v] + catalog_.decline()[e] + 2 * (options_.quantum + kPoolTolerance));
+        const std::uint32_t u = edges_[e].from;
+        potential[u] = std::max(potential[u], potential[v] + (e < rivers_.size() ? catalog_.decline()[e] : 0.0) +
+                                                  2 * (options_.quantum + kPoolTolerance));
         if (--open[u] == 0) ready.push_back(u);
       }
     }
@@ -319,7 +322,7 @@ class Solver {
   [[nodiscard]] double missing(const Row& row, std::span<const double> written) const {
     const double tolerance = options_.quantum > 0 ? 0 : kPoolTolerance;
     const double violation = row.violation(written) - row.margin;
-    if (row.kind != RowKind::flow && row.kind != RowKind::valley)
+    if (row.kind != RowKind::flow && row.kind != RowKind::valley && row.kind != RowKind::chain)
       return violation > std::max(tolerance, 1e-9) ? violation : 0;
     if (options_.quantum > 0 && !is_weakly_valid(row)) return std::max(violation, 1e-12);
     return violation > std::max(tolerance, row.strict > 0 ? 1e-9 : 1e-12) ? violation : 0;
@@ -327,7 +330,7 @@ class Solver {
 
   [[nodiscard]] bool is_weakly_valid(const Row& row) const {
     const auto& h = result_.height;
-    if (row.kind == RowKind::flow) return h[row.vertex[0]] >= h[row.vertex[1]];
+    if (row.kind == RowKind::flow || row.kind == RowKind::chain) return h[row.vertex[0]] >= h[row.vertex[1]];
     const auto [w, a, b, none] = row.vertex;
     return valley_sign(terrain_.position[a], terrain_.position[b], terrain_.position[w], h[a], h[b], h[w]) >= 0;
   }
@@ -401,6 +404,7 @@ class Solver {
 
   RiverTerrain terrain_;
   std::span<const RiverEdge> rivers_;
+  std::vector<RiverEdge> edges_;  ///< of rivers, then of outlet chains
   const EmbeddingOptions& options_;
   RowCatalog catalog_;
   std::vector<double> d_;

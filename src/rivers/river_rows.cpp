@@ -31,8 +31,8 @@ double norm(const Plane& a) {
 }  // namespace
 
 const char* name_of(RowKind kind) {
-  static constexpr const char* kNames[] = {"flow",       "valley", "slope limit", "triangle slope",
-                                           "contiguous", "lake",   "drainage",    "curvature"};
+  static constexpr const char* kNames[] = {"flow", "valley",   "slope limit", "triangle slope", "contiguous",
+                                           "lake", "drainage", "curvature",   "outlet chain"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 
@@ -41,9 +41,11 @@ RowCatalog::RowCatalog(const RiverTerrain& terrain, std::span<const RiverEdge> r
     : terrain_(terrain), constraints_(constraints), quantum_(quantum), links_(link_terrain(terrain)) {
   is_river_.assign(terrain.num_vertices(), 0);
   for (const auto& edge : rivers) is_river_[edge.from] = is_river_[edge.to] = 1;
+  for (const auto& edge : constraints.chain) is_river_[edge.from] = is_river_[edge.to] = 1;
   mark_lakes();
   find_declines(rivers);
   add_flow_and_valley(rivers);
+  add_chains();
   if (constraints.contiguity != Contiguity::none) add_contiguous(rivers);
   add_lakes();
   add_preserved();
@@ -126,6 +128,19 @@ void RowCatalog::add_flow_and_valley(std::span<const RiverEdge> rivers) {
       close(row, row.strict, kInfinity);
       list(row);
     }
+  }
+}
+
+void RowCatalog::add_chains() {
+  for (const auto& [from, to] : constraints_.chain) {
+    if (lake_of_[from] != 0 && lake_of_[from] == lake_of_[to]) continue;
+    Row row;
+    row.kind = RowKind::chain;
+    row.size = 2;
+    row.vertex = {from, to, 0, 0};
+    row.coefficient = {1, -1, 0, 0};
+    close(row, 0, kInfinity);
+    list(row);
   }
 }
 

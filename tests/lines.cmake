@@ -1,0 +1,2 @@
+# River lines matched to a terrain.
+hydrotin_test(line_walk_test SOURCES line_walk_test.cpp DEPENDS rivers)

@@ -165,9 +165,7 @@ bool EditableTerrain::can_split_edge(std::uint32_t h, LatticePoint p) const {
     return orientation(a, p, c) > 0 && orientation(p, b, c) > 0;
   };
   const std::uint32_t g = t_.twin[h];
-  if (!halves(h)) return false;
-  if (g != kNoHalfedge) return halves(g);
-  return orientation(t_.position[t_.origin(h)], t_.position[t_.target(h)], p) >= 0;  // the rim may only give way
+  return halves(h) && (g == kNoHalfedge || halves(g));
 }
 
 std::uint32_t EditableTerrain::split_edge(std::uint32_t h, LatticePoint p, double height) {

@@ -33,7 +33,8 @@ class EditableTerrain {
   [[nodiscard]] std::optional<std::uint32_t> insert_vertex(LatticePoint p, double height, std::uint32_t hint);
 
   /// Puts p in the place of an edge's inner point: the edge's two ends are joined by p, and p with the apexes. Refused
-  /// (nothing happens) where a triangle would not stay counter-clockwise. No edge is flipped.
+  /// (nothing happens) where a triangle would not stay counter-clockwise. No edge is flipped. On the rim p may lie
+  /// outside.
   [[nodiscard]] bool can_split_edge(std::uint32_t h, LatticePoint p) const;
   std::uint32_t split_edge(std::uint32_t h, LatticePoint p, double height);
   /// Precondition: p strictly inside.

@@ -44,30 +44,98 @@ class Inserter {
   }
 
  private:
+  /// A point of a piece, and the half-edge of the rim along which the piece goes on.
+  struct ClippedPoint {
+    LatticePoint at;
+    std::uint32_t rim = kNoHalfedge;
+  };
+
   // Cuts the reaches into their parts inside; where one meets the rim its place is noted.
   void clip() {
+    std::vector<std::vector<ClippedPoint>> pieces;
+    std::vector<std::uint32_t> source;
     for (std::size_t i = 0; i < reaches_.size(); ++i) {
       const auto line = reaches_.line(i);
       const LineWalk walk = walk_line(locator_, line);
       if (walk.num_pieces() == 0) ++result_.counts.outside;
       for (std::size_t k = 0; k < walk.num_pieces(); ++k) {
         ++result_.counts.pieces;
-        std::vector<LatticePoint> chain;
-        const auto stops = walk.piece(k);
-        for (std::size_t s = 0; s < stops.size(); ++s) {
-          const WalkStop& stop = stops[s];
-          if (stop.point != kNoPoint) {
-            chain.push_back(line[stop.point]);
-          } else if (stop.place.kind == PlaceKind::vertex) {
-            chain.push_back(old_.position[stop.place.id]);
-          } else if (s == 0 || s + 1 == stops.size()) {
-            chain.push_back(rim_point(stop.place.id, line[stop.segment], line[stop.segment + 1]));
-          }
-        }
-        chain.erase(std::unique(chain.begin(), chain.end()), chain.end());
-        if (chain.size() > 1) pieces_.add(chain, reaches_.source[i]);
+        pieces.push_back(clip_piece(line, walk.piece(k)));
+        source.push_back(reaches_.source[i]);
       }
     }
+    sort_rim_points();
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      std::vector<LatticePoint> chain;
+      for (std::size_t k = 0; k < pieces[i].size(); ++k) {
+        chain.push_back(pieces[i][k].at);
+        if (pieces[i][k].rim != kNoHalfedge) follow_rim(pieces[i][k], pieces[i][k + 1].at, chain);
+      }
+      chain.erase(std::unique(chain.begin(), chain.end()), chain.end());
+      if (chain.size() > 1) pieces_.add(chain, source[i]);
+    }
+  }
+
+  std::vector<ClippedPoint> clip_piece(std::span<const LatticePoint> line, std::span<const WalkStop> stops) {
+    std::vector<ClippedPoint> chain;
+    for (std::size_t s = 0; s < stops.size(); ++s) {
+      const WalkStop& stop = stops[s];
+      const bool is_edge = stop.place.kind == PlaceKind::edge;
+      const bool is_rim = is_edge && old_.twin[stop.place.id] == kNoHalfedge;
+      if (stop.point != kNoPoint) {
+        chain.push_back({line[stop.point]});
+        if (is_rim) rim_points_[stop.place.id].push_back(line[stop.point]);
+      } else if (stop.place.kind == PlaceKind::vertex) {
+        chain.push_back({old_.position[stop.place.id]});
+      } else if (is_rim) {
+        chain.push_back({rim_point(stop.place.id, line[stop.segment], line[stop.segment + 1])});
+      } else {
+        continue;
+      }
+      if (s + 1 < stops.size()) chain.back().rim = rim_between(stop.place, stops[s + 1].place);
+    }
+    return chain;
+  }
+
+  // The half-edge of the rim on which both places lie.
+  [[nodiscard]] std::uint32_t rim_between(const Place& a, const Place& b) const {
+    std::uint32_t h = kNoHalfedge;
+    if (a.kind == PlaceKind::edge)
+      h = a.id;
+    else if (b.kind == PlaceKind::edge)
+      h = b.id;
+    else if (a.kind == PlaceKind::vertex && b.kind == PlaceKind::vertex)
+      h = mesh_.find_edge(a.id, b.id);
+    if (h == kNoHalfedge || old_.twin[h] != kNoHalfedge) return kNoHalfedge;
+    const auto is_on = [&](const Place& place) {
+      if (place.kind == PlaceKind::vertex) return place.id == old_.origin(h) || place.id == old_.target(h);
+      return place.kind == PlaceKind::edge && place.id == h;
+    };
+    return is_on(a) && is_on(b) ? h : kNoHalfedge;
+  }
+
+  // From the target back to the origin, as seen from the apex.
+  void sort_rim_points() {
+    for (auto& [h, points] : rim_points_) {
+      const LatticePoint c = old_.position[old_.apex(h)];
+      std::sort(points.begin(), points.end());
+      points.erase(std::unique(points.begin(), points.end()), points.end());
+      std::stable_sort(points.begin(), points.end(),
+                       [&](LatticePoint p, LatticePoint q) { return orientation(c, p, q) < 0; });
+    }
+  }
+
+  // The points between two places on one edge of the rim, which may lie a little inside.
+  void follow_rim(const ClippedPoint& from, LatticePoint to, std::vector<LatticePoint>& chain) {
+    const auto found = rim_points_.find(from.rim);
+    if (found == rim_points_.end()) return;
+    const LatticePoint c = old_.position[old_.apex(from.rim)];
+    const int way = orientation(c, from.at, to);
+    std::vector<LatticePoint> between;
+    for (const LatticePoint p : found->second)
+      if (orientation(c, from.at, p) == way && orientation(c, p, to) == way) between.push_back(p);
+    if (way > 0) std::reverse(between.begin(), between.end());
+    chain.insert(chain.end(), between.begin(), between.end());
   }
 
   // The lattice point that stands for the crossing of a line with the rim.
@@ -102,13 +170,7 @@ class Inserter {
     std::sort(order.begin(), order.end());
     std::vector<std::uint32_t> touched;
     for (const auto& [place, h] : order) {
-      auto& points = rim_points_[h];
-      const LatticePoint c = old_.position[old_.apex(h)];
-      std::sort(points.begin(), points.end());
-      points.erase(std::unique(points.begin(), points.end()), points.end());
-      // From the target back to the origin: the part at the origin keeps the half-edge.
-      std::stable_sort(points.begin(), points.end(),
-                       [&](LatticePoint p, LatticePoint q) { return orientation(c, p, q) < 0; });
+      const auto& points = rim_points_[h];  // from the target back: what is left at the origin keeps the half-edge
       // A split at another rim edge of the triangle has moved this one.
       const std::uint32_t edge = mesh_.find_edge(old_.origin(h), old_.target(h));
       for (const LatticePoint p : points) {

@@ -179,6 +179,7 @@ class Splitter {
       const auto [a, b] = std::minmax(t.position[t.origin(h)], t.position[t.target(h)]);
       for (const LatticePoint& p : middles(std::int64_t{a.x} + b.x, std::int64_t{a.y} + b.y, 2)) {
         if (!mesh_.can_split_edge(h, p)) continue;
+        if (t.twin[h] == kNoHalfedge && doubled_area(t.position[t.origin(h)], t.position[t.target(h)], p) < 0) continue;
         const double low = std::min(t.height[t.origin(h)], t.height[t.target(h)]);
         const double high = std::max(t.height[t.origin(h)], t.height[t.target(h)]);
         return finish(mesh_.split_edge(h, p, low + (high - low) / 2));

@@ -19,14 +19,15 @@ class Flood {
         is_outlet_(is_outlet),
         graph_(make_vertex_graph(terrain.num_vertices(), terrain.triangle)),
         is_river_(terrain.num_vertices(), 0),
-        has_down_(terrain.num_vertices(), 0),
+        num_down_(terrain.num_vertices(), 0),
         next_(terrain.num_vertices(), kNone),
         level_(terrain.num_vertices(), 0),
         is_reached_(terrain.num_vertices(), 0) {
     for (const auto& [from, to] : rivers) {
       is_river_[from] = is_river_[to] = 1;
-      has_down_[from] = 1;
+      ++num_down_[from];
     }
+    num_open_ = num_down_;
     edges_.assign(rivers.begin(), rivers.end());
     std::sort(edges_.begin(), edges_.end());
   }
@@ -35,7 +36,7 @@ class Flood {
     OutletChains result;
     std::size_t wanted = 0;
     for (std::uint32_t v = 0; v < t_.num_vertices(); ++v) {
-      if (is_river_[v] == 0 || has_down_[v] != 0) continue;
+      if (is_river_[v] == 0 || num_down_[v] != 0) continue;
       result.mouth.push_back({v, is_outlet_[v] != 0 ? MouthKind::outlet : MouthKind::closed});
       wanted += is_outlet_[v] != 0 ? 0 : 1;
     }
@@ -48,7 +49,7 @@ class Flood {
       mouth.kind = MouthKind::chained;
       mouth.climb = level_[mouth.vertex] - t_.height[mouth.vertex];
       std::uint32_t v = mouth.vertex;
-      while (is_outlet_[v] == 0 && is_in_chain[v] == 0 && has_down_[v] == 0) {
+      while (next_[v] != kNone && is_in_chain[v] == 0 && num_down_[v] == 0) {
         is_in_chain[v] = 1;
         result.edge.push_back({v, next_[v]});
         ++mouth.length;
@@ -65,7 +66,7 @@ class Flood {
     using Entry = std::tuple<double, std::array<double, 2>, std::uint32_t>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
     for (std::uint32_t v = 0; v < t_.num_vertices(); ++v) {
-      if (is_outlet_[v] == 0) continue;
+      if (is_outlet_[v] == 0 || num_down_[v] != 0) continue;  // a chain to a source on the rim could close a circle
       is_reached_[v] = 1;
       level_[v] = t_.height[v];
       open.emplace(level_[v], t_.position[v], v);
@@ -75,12 +76,15 @@ class Flood {
       open.pop();
       for (const std::uint32_t w : graph_.neighbors(v)) {
         if (is_reached_[w] != 0) continue;
-        if (has_down_[w] != 0 && !std::binary_search(edges_.begin(), edges_.end(), RiverEdge{w, v})) continue;
+        // Of a river that parts every branch must have a way out first: else a chain could lead back into the river.
+        if (num_down_[w] != 0) {
+          if (!std::binary_search(edges_.begin(), edges_.end(), RiverEdge{w, v}) || --num_open_[w] != 0) continue;
+        }
         is_reached_[w] = 1;
         next_[w] = v;
         level_[w] = std::max(level_[v], t_.height[w]);
         open.emplace(level_[w], t_.position[w], w);
-        if (is_river_[w] != 0 && has_down_[w] == 0) --wanted;
+        if (is_river_[w] != 0 && num_down_[w] == 0) --wanted;
       }
     }
   }
@@ -89,7 +93,8 @@ class Flood {
   std::span<const RiverEdge> rivers_;
   std::span<const std::uint8_t> is_outlet_;
   VertexGraph graph_;
-  std::vector<std::uint8_t> is_river_, has_down_;
+  std::vector<std::uint8_t> is_river_;
+  std::vector<std::uint32_t> num_down_, num_open_;  ///< river edges down: all, and to vertices not yet reached
   std::vector<std::uint32_t> next_;
   std::vector<double> level_;
   std::vector<std::uint8_t> is_reached_;

@@ -10,9 +10,9 @@
 ///
 /// A mouth is a river vertex without a river edge down. It is well placed at an outlet: on the rim, in a lake, at a
 /// declared sink. Any other gets an *outlet chain*: the way to an outlet or to another river on which water has to
-/// climb least, found by one flood from all outlets that reaches a river vertex only through its downstream neighbour.
-/// Rows h_v >= h_next along the chains belong into the linear program; then every river vertex has a way to an outlet
-/// that never rises, and lifting moves none of them.
+/// climb least, found by one flood from all outlets without a river edge down. It reaches a river vertex only through
+/// its downstream neighbours, when it has reached all of them. Rows h_v >= h_next along the chains belong into the
+/// linear program; then every river vertex has a way to an outlet that never rises, and lifting moves none of them.
 ///
 /// Source   FINDINGS D5 (with the proof). Symbols  n = vertices, R = river edges.
 /// Properties

@@ -9,6 +9,7 @@
 #include "hydrotin/line_insertion.h"
 #include "hydrotin/pits.h"
 #include "hydrotin/river_embedding.h"
+#include "hydrotin/river_lakes.h"
 #include "hydrotin/river_mouths.h"
 #include "hydrotin/river_statistics.h"
 #include "hydrotin/vertex_graph.h"
@@ -144,7 +145,7 @@ TEST(WingtipClearing, EveryStrictProgramIsFeasibleAfterwards) {
           EXPECT_FALSE(in == 1 && out == 1 && is_way == 2 && has_third == 0);
         }
     }
-    const OutletChains mouths = find_outlet_chains(c.view(), network.edge, rim_vertices(c.view()));
+    const OutletChains mouths = find_outlet_chains(c.view(), network.edge, rim_vertices(c.view()), {});
     chains += mouths.edge.size();
     const Case before = c;
     const ClearedWingtips cleared = clear_wingtips(c.terrain, network.edge, mouths.edge, {});
@@ -209,7 +210,7 @@ TEST(RiverMouths, ChainsClimbAsLittleAsAnyWayThatKeepsToTheRule) {
     const std::uint32_t n = c.terrain.num_vertices();
     std::vector<std::uint8_t> outlet(n, 0);
     for (std::uint32_t v = 0; v < n; v += 9) outlet[v] = 1;
-    const OutletChains chains = find_outlet_chains(c.view(), rivers, outlet);
+    const OutletChains chains = find_outlet_chains(c.view(), rivers, outlet, {});
     std::set<std::uint32_t> has_down;
     std::set<std::pair<std::uint32_t, std::uint32_t>> is_down;
     for (const auto& [from, to] : rivers) {
@@ -261,6 +262,58 @@ TEST(RiverMouths, ChainsClimbAsLittleAsAnyWayThatKeepsToTheRule) {
   }
   EXPECT_GT(chained, 100u);
   EXPECT_GT(closed, 0u);
+}
+
+TEST(RiverLakes, WithLakesAsOneVertexEachNoWaterRunsInACircle) {
+  std::uint64_t joined = 0, merged = 0, chained = 0, kept = 0;
+  for (std::uint32_t seed = 0; seed < 200; ++seed) {
+    SCOPED_TRACE(seed);
+    Case c{testing::lattice_terrain(seed, 30 + seed % 60, 100, seed % 3 == 0, false), {}};
+    if (c.terrain.triangle.empty()) continue;
+    const TerrainLocator locator(c.terrain);
+    const RiverLines reaches = split_at_nodes(without_repeats(testing::random_lines(c.terrain, seed, 6, 100)));
+    const auto rivers = clean_network(c.terrain.position, c.terrain.height, snap_lines(locator, reaches).paths).edge;
+    const std::uint32_t n = c.terrain.num_vertices();
+    std::vector<Lake> lakes(3);
+    std::vector<std::uint8_t> taken(n, 0);
+    for (std::uint32_t i = 0; i < 3; ++i)
+      for (std::uint32_t k = 0; k < 4; ++k) {
+        const std::uint32_t v = (seed * 7 + i * 11 + k * 5) % n;
+        if (taken[v]++ == 0) lakes[i].vertex.push_back(v);
+      }
+    const ClosedLakes closed = close_lakes(c.view(), rivers, lakes);
+    joined += closed.joined_vertices;
+    merged += closed.joined_lakes;
+    std::vector<std::uint32_t> number = lake_numbers(n, closed.lake);
+    std::size_t members = 0;
+    for (const Lake& lake : closed.lake) members += lake.vertex.size();
+    EXPECT_EQ(members,
+              static_cast<std::size_t>(n) - static_cast<std::size_t>(std::count(number.begin(), number.end(), 0u)));
+    for (const Lake& lake : lakes)
+      for (const std::uint32_t v : lake.vertex) EXPECT_EQ(number[v], number[lake.vertex[0]]);
+    std::vector<std::uint8_t> outlet(n, 0);
+    for (std::uint32_t v = 3; v < n; v += 17) outlet[v] = 1;
+    const OutletChains chains = find_outlet_chains(c.view(), rivers, outlet, number);
+    // Contracted, rivers and chains make no circle; every mouth that is not closed gets to an outlet or a last lake.
+    std::vector<RiverEdge> all;
+    const auto node = [&](std::uint32_t v) { return number[v] == 0 ? v : n + number[v]; };
+    for (const auto& list : {rivers, chains.edge})
+      for (const auto& [from, to] : list)
+        if (node(from) != node(to)) all.push_back({node(from), node(to)});
+    for (const auto& edge : all) ASSERT_FALSE(below(all, edge.to).contains(edge.from));
+    for (const RiverMouth& mouth : chains.mouth) {
+      if (mouth.kind != MouthKind::chained) continue;
+      ++chained;
+      bool drains = false;
+      for (const std::uint32_t v : below(all, node(mouth.vertex))) drains = drains || v >= n || outlet[v] != 0;
+      EXPECT_TRUE(drains);
+    }
+    kept += closed.lake.size();
+  }
+  EXPECT_GT(joined, 100u);
+  EXPECT_GT(merged, 50u);
+  EXPECT_GT(chained, 50u);
+  EXPECT_GT(kept, 200u);
 }
 
 }  // namespace

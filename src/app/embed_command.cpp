@@ -205,7 +205,7 @@ void print_table(const EmbedInput& input, const EmbedResult& result) {
   line("leak vertices", result.before.leak_vertices, result.after.leak_vertices);
   line("local minima", result.before.local_minima, result.after.local_minima);
   fmt::print("{:<20}{:>24}\n{:<20}{:>24.6f}\n{:<20}{:>24.6f}\n{:<20}{:>24.6f}\n", "vertices moved", result.change.moved,
-             "total change", result.embedding.objective, "average change", result.change.average, "max change",
+             "total change", result.change.total, "average change", result.change.average, "max change",
              result.change.largest);
   fmt::print("{:<20}{:>24}\n{:<20}{:>24}\n{:<20}{:>24}\n", "rows", result.embedding.rows, "columns",
              result.embedding.columns, "rounds", result.embedding.rounds);

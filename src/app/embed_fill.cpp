@@ -29,10 +29,13 @@ void lift_all(Mesh& mesh, const FillTerrain& terrain, const std::vector<std::uin
       mesh.vertex[v][2] = ranked.level[static_cast<std::size_t>(level[v])];
 }
 
-std::vector<std::uint8_t> way_vertices(const EmbedInput& input) {
+/// Vertices of rivers, outlet chains and lakes: they stay.
+std::vector<std::uint8_t> way_vertices(const EmbedInput& input, const RiverConstraints& constraints) {
   std::vector<std::uint8_t> is_way(input.position.size(), 0);
   for (const auto* edges : {&input.rivers, &input.mouths.edge})
     for (const auto& [from, to] : *edges) is_way[from] = is_way[to] = 1;
+  for (const Lake& lake : constraints.lakes)
+    for (const std::uint32_t v : lake.vertex) is_way[v] = 1;
   return is_way;
 }
 
@@ -82,7 +85,7 @@ RiverFill fill_rivers(const std::string& method, const EmbedInput& input, const 
   Mesh mesh = input.mesh;
   set_heights(mesh, embedded);
   const FillTerrain terrain = make_fill_terrain("the embedded TIN", mesh);
-  const auto is_way = way_vertices(input);
+  const auto is_way = way_vertices(input, constraints);
   RiverFill fill;
   fill.pits_before = count_pits(terrain.graph, rank_heights(mesh).height, input.is_outlet);
   if (method == "least-change") {

@@ -10,6 +10,7 @@
 #include "fill_terrain.h"
 #include "hydrotin/crs.h"
 #include "hydrotin/error.h"
+#include "hydrotin/river_lakes.h"
 #include "lake_vertices.h"
 
 namespace hydrotin::app {
@@ -148,11 +149,27 @@ void add_preserved(const EmbedArguments& arguments, const EmbedInput& input, Riv
   }
 }
 
+/// Lakes through which rivers come back become one level.
+void join_lakes(EmbedInput& input, RiverConstraints& constraints) {
+  if (constraints.lakes.empty()) return;
+  ClosedLakes closed = close_lakes(input.terrain(), input.rivers, constraints.lakes);
+  constraints.lakes = std::move(closed.lake);
+  if (!input.lines) return;
+  input.lines->counts.emplace_back("lakes", constraints.lakes.size());
+  input.lines->counts.emplace_back("lakes_joined", closed.joined_lakes);
+  input.lines->counts.emplace_back("vertices_joined_to_lakes", closed.joined_vertices);
+}
+
+/// By the policy, and lakes that no river leaves.
 void find_outlet_vertices(const EmbedArguments& arguments, EmbedInput& input, const RiverConstraints& constraints) {
   const std::string policy = arguments.outlets.empty() ? "hull" : arguments.outlets;
   input.is_outlet = find_outlets(arguments.tin, policy, make_fill_terrain(arguments.tin, input.mesh));
-  for (const Lake& lake : constraints.lakes)
-    for (const std::uint32_t v : lake.vertex) input.is_outlet[v] = 1;
+  const auto lake = lake_numbers(static_cast<std::uint32_t>(input.position.size()), constraints.lakes);
+  std::vector<std::uint8_t> is_left(constraints.lakes.size() + 1, 0);
+  for (const auto& [from, to] : input.rivers)
+    if (lake[from] != lake[to]) is_left[lake[from]] = 1;
+  for (std::size_t v = 0; v < lake.size(); ++v)
+    if (lake[v] != 0 && is_left[lake[v]] == 0) input.is_outlet[v] = 1;
   for (const RiverMouth& mouth : input.mouths.mouth)
     if (mouth.kind == MouthKind::closed) input.is_outlet[mouth.vertex] = 1;
 }
@@ -160,7 +177,8 @@ void find_outlet_vertices(const EmbedArguments& arguments, EmbedInput& input, co
 /// Mouths, chains to outlets, and wingtips that are free to rise.
 void prepare_mouths(const EmbedArguments& arguments, EmbedInput& input, RiverConstraints& constraints) {
   find_outlet_vertices(arguments, input, constraints);
-  input.mouths = find_outlet_chains(input.terrain(), input.rivers, input.is_outlet);
+  input.mouths = find_outlet_chains(input.terrain(), input.rivers, input.is_outlet,
+                                    lake_numbers(static_cast<std::uint32_t>(input.position.size()), constraints.lakes));
   constraints.chain = input.mouths.edge;
   for (const RiverMouth& mouth : input.mouths.mouth)
     if (mouth.kind == MouthKind::closed) input.is_outlet[mouth.vertex] = 1;
@@ -174,9 +192,7 @@ void prepare_mouths(const EmbedArguments& arguments, EmbedInput& input, RiverCon
   counts.emplace_back("mouths_with_chains", count(MouthKind::chained));
   counts.emplace_back("mouths_closed", count(MouthKind::closed));
   counts.emplace_back("chain_edges", input.mouths.edge.size());
-  std::vector<std::uint32_t> lake(input.position.size(), 0);
-  for (std::size_t i = 0; i < constraints.lakes.size(); ++i)
-    for (const std::uint32_t v : constraints.lakes[i].vertex) lake[v] = static_cast<std::uint32_t>(i + 1);
+  const auto lake = lake_numbers(static_cast<std::uint32_t>(input.position.size()), constraints.lakes);
   const auto [points, left] = clear_mesh_wingtips(arguments.tin, input.mesh, input.rivers, input.mouths.edge, lake);
   counts.emplace_back("steiner_points", points);
   counts.emplace_back("triangles_too_small", left);
@@ -209,6 +225,7 @@ EmbedInput read_embed_input(const EmbedArguments& arguments, RiverConstraints& c
   if (!arguments.lakes.empty())
     constraints.lakes =
         read_lakes(arguments.lakes, input.position, input.mesh.crs_wkt, missing_wkt, arguments.lake_level);
+  join_lakes(input, constraints);
   add_preserved(arguments, input, constraints);
   if (arguments.wants_chains()) prepare_mouths(arguments, input, constraints);
   return input;

@@ -238,7 +238,8 @@ std::pair<std::uint64_t, std::uint64_t> clear_mesh_wingtips(const std::string& p
                                                             const std::vector<RiverEdge>& rivers,
                                                             const std::vector<RiverEdge>& chain,
                                                             const std::vector<std::uint32_t>& lake) {
-  const PlaneLattice lattice = find_lattice(plane_of(mesh));
+  // Finer than the lattice of the data, so that there is room in small triangles.
+  const PlaneLattice lattice = find_lattice(plane_of(mesh), 100);
   LatticeTerrain terrain = terrain_of(path, mesh, lattice);
   const ClearedWingtips cleared = clear_wingtips(terrain, rivers, chain, lake);
   update(mesh, terrain, lattice);

@@ -25,7 +25,7 @@ LatticePoint PlaneLattice::nearest(double x, double y) const {
           static_cast<std::int32_t>(std::llround(y * denominator) - base_y)};
 }
 
-PlaneLattice find_lattice(std::span<const std::array<double, 2>> position) {
+PlaneLattice find_lattice(std::span<const std::array<double, 2>> position, int refine) {
   PlaneLattice lattice;
   if (position.empty()) return lattice;
   std::array<double, 2> least = position[0], most = position[0];
@@ -41,6 +41,8 @@ PlaneLattice find_lattice(std::span<const std::array<double, 2>> position) {
       lattice.denominator = d;
       break;
     }
+  for (; refine > 1 && lattice.denominator > 0 && extent * lattice.denominator * 10 <= kMostUnits; refine /= 10)
+    lattice.denominator *= 10;
   lattice.is_exact = lattice.denominator > 0;
   if (!lattice.is_exact) {
     const double largest = std::max({std::abs(least[0]), std::abs(least[1]), std::abs(most[0]), std::abs(most[1])});

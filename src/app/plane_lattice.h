@@ -28,7 +28,8 @@ struct PlaneLattice {
   [[nodiscard]] double reach() const { return 1073741824.0 / denominator; }
 };
 
-[[nodiscard]] PlaneLattice find_lattice(std::span<const std::array<double, 2>> position);
+/// @param refine  a power of ten: so many times finer if that fits.
+[[nodiscard]] PlaneLattice find_lattice(std::span<const std::array<double, 2>> position, int refine = 1);
 
 /// The part of a chain inside reach; where it leaves the reach it is cut, so there may be several.
 [[nodiscard]] std::vector<std::vector<LatticePoint>> on_lattice(const PlaneLattice& lattice,

@@ -107,6 +107,7 @@ Row RowCatalog::valley_row(std::uint32_t a, std::uint32_t b, std::uint32_t w, do
 void RowCatalog::add_flow_and_valley(std::span<const RiverEdge> rivers) {
   for (std::size_t e = 0; e < rivers.size(); ++e) {
     const auto [from, to] = rivers[e];
+    const bool in_lake = lake_of_[from] != 0 && lake_of_[from] == lake_of_[to];
     if (constraints_.flow) {
       Row row;
       row.size = 2;
@@ -114,10 +115,10 @@ void RowCatalog::add_flow_and_valley(std::span<const RiverEdge> rivers) {
       row.coefficient = {1, -1, 0, 0};
       row.strict = decline_[e];
       close(row, decline_[e], kInfinity);
+      if (in_lake) row.margin = 0;  // both are written with one level
       list(row);
     }
     if (!constraints_.valley) continue;
-    const bool in_lake = lake_of_[from] != 0 && lake_of_[from] == lake_of_[to];
     const Wingtips tips = wingtips(terrain_, links_, from, to);
     for (int i = 0; i < tips.count; ++i) {
       double distance = 0;

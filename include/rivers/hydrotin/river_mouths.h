@@ -14,6 +14,9 @@
 /// its downstream neighbours, when it has reached all of them. Rows h_v >= h_next along the chains belong into the
 /// linear program; then every river vertex has a way to an outlet that never rises, and lifting moves none of them.
 ///
+/// A lake counts as one vertex: if no river leaves it, it is an outlet; otherwise it has a way out where all rivers
+/// that leave it have one. A mouth in a lake needs no chain.
+///
 /// Source   FINDINGS D5 (with the proof). Symbols  n = vertices, R = river edges.
 /// Properties
 ///   (1) From every mouth that is not closed a chain, then rivers and chains, lead to an outlet; river edges and chains
@@ -25,7 +28,7 @@
 namespace hydrotin {
 
 enum class MouthKind : std::uint8_t {
-  outlet,   ///< an outlet itself
+  outlet,   ///< an outlet itself, or in a lake
   chained,  ///< has an outlet chain
   closed,   ///< its own river lies around it: no chain is possible, it has to be an outlet
 };
@@ -44,9 +47,11 @@ struct OutletChains {
 };
 
 /// @param is_outlet  [n]
+/// @param lake       [n] or empty: of `lake_numbers` after `close_lakes`; 0 = in none.
 /// Complexity: O((n + T) log n); the flood ends when it has reached all mouths.
 [[nodiscard]] OutletChains find_outlet_chains(const RiverTerrain& terrain, std::span<const RiverEdge> rivers,
-                                              std::span<const std::uint8_t> is_outlet);
+                                              std::span<const std::uint8_t> is_outlet,
+                                              std::span<const std::uint32_t> lake);
 
 /// [n] nonzero: on an edge that only one triangle has. Complexity: O(T log T).
 [[nodiscard]] std::vector<std::uint8_t> rim_vertices(const RiverTerrain& terrain);

@@ -265,8 +265,6 @@ void write_river_points(const std::string& path, const EmbedInput& input, const 
     write_las(path, input, after);
     return;
   }
-  if (!path.ends_with(".gpkg"))
-    throw Error(ErrorKind::config, "--points-out: '" + path + "' is not possible (let the name end in .las or .gpkg)");
   GeoPackageWriter file(path, input.mesh.crs_wkt);
   const int layer = file.add_layer("river_vertices", VectorGeometry::point, true,
                                    Fields{{"vertex", FieldType::integer}, {"before", FieldType::real}});

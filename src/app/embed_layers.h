@@ -26,8 +26,7 @@ void write_layers(const std::string& path, const EmbedInput& input, const Embedd
                   const Embedding& embedding, const std::vector<double>& after, const NamedRivers& rivers,
                   double tolerance);
 
-/// River vertices as points: LAS if the name ends so, else GeoPackage. Fails: Error(storage), Error(config) for another
-/// ending.
+/// River vertices as points: LAS if the name ends so, else GeoPackage. Fails: Error(storage).
 void write_river_points(const std::string& path, const EmbedInput& input, const std::vector<double>& after);
 
 }  // namespace hydrotin::app

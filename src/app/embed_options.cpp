@@ -87,6 +87,9 @@ void check_names(const EmbedArguments& arguments) {
   needs_lines("--use-z", arguments.use_z);
   if (arguments.use_z && arguments.match != "insert")
     throw Error(ErrorKind::config, "--use-z: snapped rivers keep the heights of the TIN (use --match insert)");
+  const std::string& points = arguments.points_out;
+  if (!points.empty() && !points.ends_with(".las") && !points.ends_with(".gpkg"))
+    refuse("--points-out", points, "let the name end in .las or .gpkg");
   if (!arguments.lake_level.empty() && arguments.lakes.empty())
     throw Error(ErrorKind::config, "--lake-level: is about lakes (give --lakes FILE)");
 }

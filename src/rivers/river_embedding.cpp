@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <tuple>
 #include <unordered_map>
 
 #include "component_program.h"
@@ -75,6 +76,7 @@ class Solver {
  private:
   struct Component {
     std::vector<std::uint32_t> vertex, row;
+    std::size_t sorted_vertices = 0, sorted_rows = 0;  // so many at the beginning are in (x, y) order
     double bound = 0;
     bool is_dirty = false;
   };
@@ -84,9 +86,9 @@ class Solver {
     return v;
   }
 
-  // Adds the row if it is violated and not yet there.
-  bool consider(const Row& row) {
-    if (!(row.violation(d_) > kViolated)) return false;
+  // Adds the row if it is violated, or wanted in any case, and not yet there.
+  bool consider(const Row& row, bool is_wanted = false) {
+    if (!is_wanted && !(row.violation(d_) > kViolated)) return false;
     if (row.key != 0 && in_pool_.contains(row.key)) return false;
     if (row.key == 0 && !(row.violation(d_) > kPoolTolerance)) return false;  // a cut comes again and again otherwise
     const auto index = static_cast<std::uint32_t>(pool_.size());
@@ -147,23 +149,36 @@ class Solver {
         if (!is_stopped_) solve_component(found->second, changed);
         if (is_stopped_) return;
       }
-      for (const std::uint32_t v : changed) catalog_.visit(v, d_, [&](const Row& row) { consider(row); });
+      // What moves pushes its neighbours along the river next: their rows now save rounds of the simplex.
+      const auto take = [&](const Row& row) { consider(row, row.kind == RowKind::flow || row.kind == RowKind::chain); };
+      for (const std::uint32_t v : changed) catalog_.visit(v, d_, take);
     }
   }
 
+  // Most of a component is in order since the last time: only what is new is sorted, then merged in.
   void sort_component(Component& component) {
-    const auto by_place = [&](std::uint32_t a, std::uint32_t b) { return terrain_.position[a] < terrain_.position[b]; };
-    std::sort(component.vertex.begin(), component.vertex.end(), by_place);
+    const auto sort_tail = [](std::vector<std::uint32_t>& list, std::size_t& sorted, const auto& less) {
+      const auto middle = list.begin() + static_cast<std::ptrdiff_t>(sorted);
+      std::sort(middle, list.end(), less);
+      std::inplace_merge(list.begin(), middle, list.end(), less);
+      sorted = list.size();
+    };
+    sort_tail(component.vertex, component.sorted_vertices,
+              [&](std::uint32_t a, std::uint32_t b) { return terrain_.position[a] < terrain_.position[b]; });
     if (local_.size() < terrain_.num_vertices()) local_.resize(terrain_.num_vertices());
     for (std::size_t i = 0; i < component.vertex.size(); ++i) local_[component.vertex[i]] = static_cast<int>(i);
-    const auto key = [&](std::uint32_t r) {
-      const Row& row = pool_[r].row;
+    const auto places = [&](const Row& row) {
       std::array<int, 4> at{-1, -1, -1, -1};
       for (std::uint32_t i = 0; i < row.size; ++i) at[i] = local_[row.vertex[i]];
-      return std::tuple(at, row.kind, row.coefficient, row.lower);
+      return at;
     };
-    std::sort(component.row.begin(), component.row.end(),
-              [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+    sort_tail(component.row, component.sorted_rows, [&](std::uint32_t a, std::uint32_t b) {
+      const Row &x = pool_[a].row, &y = pool_[b].row;
+      const int first = local_[x.vertex[0]], second = local_[y.vertex[0]];
+      if (first != second) return first < second;
+      return std::tuple(places(x), x.kind, x.coefficient, x.lower) <
+             std::tuple(places(y), y.kind, y.coefficient, y.lower);
+    });
   }
 
   [[nodiscard]] double limit_of(std::uint32_t v) const {

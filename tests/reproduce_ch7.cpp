@@ -235,9 +235,15 @@ void print_variants(const thesis::RiverOfThesis& of_thesis, const Prepared& p, b
     EmbeddingOptions options;
     options.constraints = variant(i);
     options.constraints.chain = p.chain;
-    const auto begun = std::chrono::steady_clock::now();
-    const Embedding e = embed_rivers(p.view(), p.rivers, options);
-    const double lazy = testing::seconds_since(begun);
+    Embedding e;
+    std::array<double, 5> times{};
+    for (double& time : times) {
+      const auto begun = std::chrono::steady_clock::now();
+      e = embed_rivers(p.view(), p.rivers, options);
+      time = testing::seconds_since(begun);
+    }
+    std::sort(times.begin(), times.end());
+    const double lazy = times[2];
     const RiverStatistics s = river_statistics(p.view(), p.rivers, e.height, tolerance);
     const HeightChange change = height_change(p.terrain.height, e.height, tolerance);
     const thesis::RiverVariant& t = of_thesis.variant[i];

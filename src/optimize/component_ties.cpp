@@ -61,18 +61,23 @@ std::vector<std::uint32_t> tie_ends(const PolygonProblem& problem, const Polygon
   return ends;
 }
 
+std::vector<LatticeBox> boxes_of(const PolygonProblem& problem, const PolygonGraph& graph) {
+  std::vector<LatticeBox> out(graph.num_triangles());
+  for (std::uint32_t t = 0; t < graph.num_triangles(); ++t)
+    for (const std::uint32_t v : graph.triangle(t)) out[t].extend(problem.position[v]);
+  return out;
+}
+
 // Triangles that the segment ab properly cuts.
-void add_blocked(const PolygonProblem& problem, const PolygonGraph& graph, LatticePoint a, LatticePoint b,
-                 std::vector<std::uint32_t>& out) {
+void add_blocked(const PolygonProblem& problem, const PolygonGraph& graph, const std::vector<LatticeBox>& reach,
+                 LatticePoint a, LatticePoint b, std::vector<std::uint32_t>& out) {
   LatticeBox box;
   box.extend(a);
   box.extend(b);
-  for (std::uint32_t t = 0; t < graph.num_triangles(); ++t) {
+  for (std::uint32_t t = 0; t < reach.size(); ++t) {
+    if (!reach[t].intersects(box)) continue;
     const auto& v = graph.triangle(t);
     const std::array<LatticePoint, 3> p{problem.position[v[0]], problem.position[v[1]], problem.position[v[2]]};
-    LatticeBox reach;
-    for (const LatticePoint q : p) reach.extend(q);
-    if (!reach.intersects(box)) continue;
     if (properly_cross(a, b, p[0], p[1]) || properly_cross(a, b, p[1], p[2]) || properly_cross(a, b, p[2], p[0]))
       out.push_back(t);
   }
@@ -91,13 +96,42 @@ std::uint64_t ComponentTies::num_ways(std::uint64_t most) const {
 
 ComponentTies find_component_ties(const PolygonProblem& problem, const PolygonGraph& graph) {
   ComponentTies out;
+  const std::vector<LatticeBox> reach = boxes_of(problem, graph);
   for (const std::uint32_t u : component_ends(problem, graph)) {
     for (const std::uint32_t w : tie_ends(problem, graph, u)) {
-      out.tie.push_back({graph.find(u, w), graph.find(w, u)});
-      add_blocked(problem, graph, problem.position[u], problem.position[w], out.blocked);
+      const std::uint32_t tie = graph.find(u, w);
+      out.tie.push_back({tie, PolygonGraph::twin(tie)});
+      add_blocked(problem, graph, reach, problem.position[u], problem.position[w], out.blocked);
       out.blocked_begin.push_back(static_cast<std::uint32_t>(out.blocked.size()));
     }
     out.begin.push_back(static_cast<std::uint32_t>(out.tie.size()));
+  }
+  return out;
+}
+
+TieInfluence influence_of(const ComponentTies& ties, const PolygonGraph& graph) {
+  TieInfluence out;
+  std::vector<std::uint32_t> seen(graph.num_edges(), kNoEdge);
+  for (std::uint32_t c = 0; c < ties.num_components(); ++c) {
+    const auto reach = [&](std::uint32_t e) {
+      if (seen[e] == c) return;
+      seen[e] = c;
+      out.edge.push_back(e);
+    };
+    for (std::uint32_t t = ties.begin[c]; t < ties.begin[c + 1]; ++t) {
+      reach(ties.tie[t].edge);
+      reach(ties.tie[t].twin);
+      for (std::uint32_t i = ties.blocked_begin[t]; i < ties.blocked_begin[t + 1]; ++i)
+        for (std::size_t side = 0; side < 3; ++side) reach(graph.side(ties.blocked[i], side));
+    }
+    // What depends on an edge: the other sides of the triangles beyond it.
+    for (std::size_t i = out.begin.back(); i < out.edge.size(); ++i) {
+      const std::uint32_t twin = PolygonGraph::twin(out.edge[i]);
+      for (std::uint32_t o = graph.edge(twin).first_option; o != kNoEdge; o = graph.option(o).next)
+        for (std::size_t side = 0; side < 3; ++side)
+          if (const std::uint32_t e = graph.side(graph.option(o).triangle, side); e != twin) reach(e);
+    }
+    out.begin.push_back(static_cast<std::uint32_t>(out.edge.size()));
   }
   return out;
 }

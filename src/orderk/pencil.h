@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hydrotin/useful_edges.h"
+#include "hydrotin/wide.h"
 
 #ifdef __SSE2__
 #include <emmintrin.h>
@@ -40,7 +41,6 @@ inline double wide_cross(Vector p, Vector q) {
   const double d = left - right;
   // Below 2^52 the products are exact, or the right one is so large that it decides.
   if (std::fabs(left) < 0x1p52 || std::fabs(d) > 1e-15 * (std::fabs(left) + std::fabs(right))) return d;
-  __extension__ using Wide = __int128;
   const auto wide = [](double v) { return static_cast<Wide>(v); };
   return static_cast<double>(wide(p.x) * wide(q.y) - wide(p.y) * wide(q.x));
 }
@@ -144,6 +144,24 @@ class HitList {
 
   std::array<Hit, kMaxOrder + 1> hit_;
   std::uint32_t size_ = 0;
+};
+
+/// A set of vertices that is emptied in constant time.
+class Marks {
+ public:
+  explicit Marks(std::uint32_t num_vertices) : stamp_(num_vertices) {}
+
+  void clear() {
+    if (++now_ != 0) return;
+    std::fill(stamp_.begin(), stamp_.end(), 0U);
+    now_ = 1;
+  }
+  void add(VertexId p) { stamp_[p.value] = now_; }
+  [[nodiscard]] bool has(VertexId p) const { return stamp_[p.value] == now_; }
+
+ private:
+  std::vector<std::uint32_t> stamp_;  // [n] equal to `now_`: is in the set
+  std::uint32_t now_ = 1;
 };
 
 /// Points next to those inside a pencil's circle, in no order, each once.

@@ -21,9 +21,9 @@ namespace hydrotin {
 
 struct VectorReadOptions {
   VectorGeometry geometry = VectorGeometry::line;  ///< line or polygon; other kinds are skipped and counted
-  std::string target_wkt;           ///< CRS of the result; empty = as in the file, nothing is reprojected
-  std::string missing_crs_wkt;      ///< of layers that name none; empty = they are taken to be in the target CRS
-  std::vector<std::string> fields;  ///< attributes wanted, as text
+  std::string target_wkt;             ///< CRS of the result; empty = as in the file, nothing is reprojected
+  std::string missing_crs_wkt;        ///< of layers that name none; empty = they are taken to be in the target CRS
+  std::vector<std::string> fields{};  ///< attributes wanted, as text
 };
 
 /// Parts as CSR. Part i has the rings ring_begin[i] .. ring_begin[i + 1] (a line has one), ring r the points

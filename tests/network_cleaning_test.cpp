@@ -175,12 +175,17 @@ TEST(WingtipClearing, EveryStrictProgramIsFeasibleAfterwards) {
     for (const auto& [from, to] : mouths.edge) EXPECT_GE(embedding.height[from], embedding.height[to]);
     const auto after = river_statistics(c.view(), network.edge, embedding.height, 0);
     EXPECT_EQ(after.wrong_flow + after.not_valley + after.flat_edges, 0u);
+    // Stopped at once, the heights hold the rows of rivers and chains all the same.
+    options.stop = [] { return true; };
+    const Embedding stopped = embed_rivers(c.view(), network.edge, options);
+    for (const BrokenRow& row : stopped.broken)
+      EXPECT_TRUE(row.kind != RowKind::flow && row.kind != RowKind::valley && row.kind != RowKind::chain);
+    const auto burned = river_statistics(c.view(), network.edge, stopped.height, 0);
+    EXPECT_EQ(burned.wrong_flow + burned.not_valley, 0u);
     // D5: lifting from the rim (and closed mouths) moves no river vertex, and every river edge stays as it should be.
     const VertexGraph graph = make_vertex_graph(c.terrain.num_vertices(), c.terrain.triangle);
     std::vector<std::int32_t> height;
-    for (const double h : embedding.height) height.push_back(static_cast<std::int32_t>(std::lround(h * 100)));
-    for (std::size_t v = 0; v < height.size(); ++v)
-      height[v] = static_cast<std::int32_t>(std::lround(embedding.height[v] * 1e4));
+    for (const double h : embedding.height) height.push_back(static_cast<std::int32_t>(std::lround(h * 1e4)));
     std::vector<std::uint8_t> outlets = rim_vertices(c.view());
     for (const RiverMouth& mouth : mouths.mouth)
       if (mouth.kind == MouthKind::closed) outlets[mouth.vertex] = 1;

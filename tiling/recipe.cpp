@@ -29,6 +29,10 @@ std::string recipe(const std::string& plan_recipe, const PipelineOptions& option
   if (phase >= Phase::triangulate)
     hash.add(std::int64_t{options.triangulation.order}).add(name(options.triangulation.objectives));
   if (phase >= Phase::triangulate) hash.add(options.triangulation.max_error_m.value_or(-1));
+  const PolygonBudget& budget = options.triangulation.budget;
+  if (phase >= Phase::triangulate)
+    for (const std::uint32_t most : {budget.max_triangles, budget.max_ways, budget.max_program, budget.max_branches})
+      hash.add(std::int64_t{most});
   const PitOptions& pits = options.pits;
   if (phase >= Phase::nest)
     hash.add(static_cast<std::int64_t>(pits.outlets))

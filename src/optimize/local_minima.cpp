@@ -30,6 +30,10 @@ class Assigner {
 
   // Offers what is below v to v, and v to what is above it over useful edges.
   void look_at(VertexId v) {
+    Offer own{};
+    const auto consider = [&](VertexId w, HalfedgeId h) {
+      if (own.neighbor.is_none() || lower(w, own.neighbor)) own = {w, triangle_of(h)};
+    };
     for (std::uint32_t i = links_.begin[v.value]; i < links_.begin[v.value + 1]; ++i) {
       const VertexId w = links_.neighbor[i];
       const HalfedgeId spoke = links_.spoke[i];
@@ -37,15 +41,16 @@ class Assigner {
       if (!lower(w, v)) continue;
       if (fixed) fate_[v.value] = MinimumFate::never;
       if (fixed) break;
-      offer(v, w, spoke);
+      consider(w, spoke);
     }
     for (std::uint32_t e = edges_.begin[v.value]; e < edges_.begin[v.value + 1]; ++e) {
       const VertexId w = edges_.b[e];
       if (lower(w, v))
-        offer(v, w, edges_.entry[e]);
+        consider(w, edges_.entry[e]);
       else
-        offer(w, v, crossings_.exit[e]);
+        offer(w, {v, triangle_of(crossings_.exit[e])});
     }
+    if (!own.neighbor.is_none()) offer(v, own);
   }
 
   void decide(VertexId v, MinimaAssignment& out) const {
@@ -62,14 +67,13 @@ class Assigner {
   }
 
   // Edges of several ranges of vertices may lead to v.
-  void offer(VertexId v, VertexId w, HalfedgeId h) {
+  void offer(VertexId v, Offer offered) {
     const std::atomic_ref<std::uint64_t> best(best_[v.value]);
-    const auto offered = std::bit_cast<std::uint64_t>(Offer{w, triangle_of(h)});
     std::uint64_t held = best.load(std::memory_order_relaxed);
     for (;;) {
       const VertexId lowest = std::bit_cast<Offer>(held).neighbor;
-      if (!lowest.is_none() && !lower(w, lowest)) return;
-      if (best.compare_exchange_weak(held, offered, std::memory_order_relaxed)) return;
+      if (!lowest.is_none() && !lower(offered.neighbor, lowest)) return;
+      if (best.compare_exchange_weak(held, std::bit_cast<std::uint64_t>(offered), std::memory_order_relaxed)) return;
     }
   }
 

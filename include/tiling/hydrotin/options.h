@@ -7,6 +7,7 @@
 
 #include "hydrotin/drainage_problem.h"
 #include "hydrotin/objective.h"
+#include "hydrotin/polygon.h"
 
 /// What a run is asked to do: the checked content of a config, with the defaults that suit classified ground LiDAR in
 /// metres. `app` fills it from YAML and `--set`; `tiling` splits it and hands each algorithm its own few numbers.
@@ -55,6 +56,7 @@ struct TriangulationOptions {
   std::vector<std::string> reference;  ///< LAS/LAZ files as in InputOptions::points, of points that are no vertices:
                                        ///< vertical errors are measured against them
   std::optional<double> max_error_m;   ///< limit on these errors, in the unit of z; none: no limit
+  PolygonBudget budget;
 };
 
 /// Pits to keep, whatever the method does with the others.

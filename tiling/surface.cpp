@@ -79,9 +79,15 @@ Surface read_share(const store::Reader& in, const CellGrid& grid, std::span<cons
   }
   if (std::any_of(triangle.begin(), triangle.end(), [&](std::uint32_t v) { return v >= n; }))
     contradicts(in.path(), "a triangle refers to a vertex that is not listed");
-  std::vector<std::uint32_t> used(triangle);
-  std::sort(used.begin(), used.end());
-  used.erase(std::unique(used.begin(), used.end()), used.end());
+  // A table of all vertices numbers those in use without sorting.
+  constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> number(n, kUnused), used;
+  for (const std::uint32_t v : triangle) number[v] = 0;
+  for (std::uint32_t v = 0; v < n; ++v) {
+    if (number[v] == kUnused) continue;
+    number[v] = static_cast<std::uint32_t>(used.size());
+    used.push_back(v);
+  }
   read_vertices(in, used, out);
   std::vector<std::uint8_t> is_inside(used.size());
   for (std::size_t i = 0; i < used.size(); ++i)
@@ -90,8 +96,7 @@ Surface read_share(const store::Reader& in, const CellGrid& grid, std::span<cons
     std::uint32_t corner[3];
     bool any = false;
     for (std::size_t i = 0; i < 3; ++i) {
-      corner[i] =
-          static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), triangle[t + i]) - used.begin());
+      corner[i] = number[triangle[t + i]];
       any = any || is_inside[corner[i]];
     }
     if (any) out.triangle.insert(out.triangle.end(), corner, corner + 3);

@@ -26,6 +26,9 @@ void check(const PipelineOptions& options) {
     if (options.triangulation.reference.empty())
       fail("triangulation.max_error_m: errors are those of reference points; give triangulation.reference");
   }
+  if (options.input.dem_band < 1) fail("input.dem_band: bands count from 1");
+  if (!(options.input.dem_quantum_m >= 1e-6 && options.input.dem_quantum_m <= 1e3))
+    fail("input.dem_quantum_m: give a length from 0.000001 to 1000");
   if (options.tiles.target_points < 1000)
     fail("tiles.target_points: " + std::to_string(options.tiles.target_points) + " is too few; give 1,000 or more");
   if (!(options.output.dem.cell_m > 0)) fail("output.dem.cell_m: a cell must have a positive size");
@@ -103,7 +106,7 @@ PlanSummary plan_run(const PipelineOptions& options) {
   PlanSummary out;
   std::uint64_t reference = 0;
   for (const PlanFile& f : plan.files) {
-    out.files += !f.is_reference;
+    out.files += !f.is_reference && f.is_first();
     (f.is_reference ? reference : out.points) += f.points;
   }
   out.tiles = plan.num_tiles();

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "dem_cells.h"
 #include "file_checksum.h"
 #include "fingerprint.h"
 #include "hydrotin/measure.h"
@@ -257,7 +258,7 @@ void write_rasters(const RunContext& context) {
 
 std::int64_t num_files(const Plan& plan, bool is_reference) {
   return std::count_if(plan.files.begin(), plan.files.end(),
-                       [&](const PlanFile& file) { return file.is_reference == is_reference; });
+                       [&](const PlanFile& file) { return file.is_reference == is_reference && file.is_first(); });
 }
 
 // Of the points measured: those inside the hull, in all; of one tile, what its polygons and vertices measured.
@@ -329,6 +330,8 @@ json to_json(const RunContext& context, const Figures& f) {
           {"tiles", context.plan.num_tiles()},
           {"files", num_files(context.plan, false)},
           {"reference_files", num_files(context.plan, true)},
+          {"cells_nodata", skipped_cells(context).nodata},
+          {"cells_not_finite", skipped_cells(context).not_finite},
           {"triangulation", triangulation},
           {"lifting",
            {{"pits_before", f.pits.size()},
@@ -400,6 +403,8 @@ std::string to_text(const RunContext& context, const Figures& f) {
   out << "hydrotin " << version() << "\n\nInput\n";
   row("  files", num_files(context.plan, false));
   if (num_files(context.plan, true) > 0) row("  files of reference points", num_files(context.plan, true));
+  if (const SkippedCells skipped = skipped_cells(context); skipped.nodata + skipped.not_finite > 0)
+    row("  raster cells without height", skipped.nodata + skipped.not_finite);
   row("  CRS", context.plan.crs.empty() ? "none" : context.plan.crs);
   row("  points kept", s.points);
   row("  duplicates in (x, y)", s.duplicates);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -125,17 +126,38 @@ std::string resolved(const std::filesystem::path& folder, const std::string& pat
   return (folder / path).lexically_normal().string();  // an absolute path stays what it is
 }
 
+// Rasters whose cells are points.
+void read_dem_input(const Reader& input, const std::filesystem::path& folder, InputOptions& options) {
+  const std::string patterns = "a list of rasters or patterns";
+  if (const Reader dem = input.at("dem"); dem.is_given()) {
+    for (const Reader& item : dem.list(patterns)) options.dem.push_back(resolved(folder, item.text(patterns)));
+    if (options.dem.empty()) dem.refuse(patterns + " that is not empty");
+  }
+  if (const Reader band = input.at("dem_band"); band.is_given())
+    options.dem_band = static_cast<int>(band.integer(1, 100000));
+  if (const Reader quantum = input.at("dem_quantum_m"); quantum.is_given())
+    options.dem_quantum_m = quantum.real(1e-6, 1e3, "a length from 0.000001 to 1000");
+  if (const Reader nodata = input.at("dem_nodata"); nodata.is_given())
+    options.dem_nodata =
+        nodata.real(-std::numeric_limits<double>::max(), std::numeric_limits<double>::max(), "a number");
+}
+
 void read_input(const Reader& input, const std::filesystem::path& folder, const std::string& file,
                 InputOptions& options) {
-  input.require_keys({"points", "classes", "rivers", "lakes", "crs", "withheld", "synthetic"});
+  input.require_keys({"points", "dem", "dem_band", "dem_quantum_m", "dem_nodata", "classes", "rivers", "lakes", "crs",
+                      "withheld", "synthetic"});
   input.refuse_for_now("rivers", "embed rivers");
   input.refuse_for_now("lakes", "embed lakes");
   const Reader points = input.at("points");
   const std::string patterns = "a list of LAS or LAZ files or patterns";
-  if (!points.is_given())
-    fail(input.is_given() ? input.place() : file, "input.points is missing (give " + patterns + ")");
-  for (const Reader& item : points.list(patterns)) options.points.push_back(resolved(folder, item.text(patterns)));
-  if (options.points.empty()) points.refuse(patterns + " that is not empty");
+  read_dem_input(input, folder, options);
+  if (!points.is_given() && options.dem.empty())
+    fail(input.is_given() ? input.place() : file,
+         "input.points is missing (give " + patterns + ", or rasters as input.dem)");
+  if (points.is_given()) {
+    for (const Reader& item : points.list(patterns)) options.points.push_back(resolved(folder, item.text(patterns)));
+    if (options.points.empty() && options.dem.empty()) points.refuse(patterns + " that is not empty");
+  }
 
   if (const Reader classes = input.at("classes"); classes.is_given()) {
     options.classes.clear();

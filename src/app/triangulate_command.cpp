@@ -230,7 +230,9 @@ void add_triangulate_command(CLI::App& program, Action& action) {
   auto a = std::make_shared<TriangulateArguments>();
   CLI::App* command = program.add_subcommand(
       "triangulate", "the best order-k triangulation of a small point set or polygon, in memory");
-  command->add_option("points", a->points, "CSV with header x,y,z, or LAS or LAZ")->required()->type_name("POINTS");
+  command->add_option("points", a->points, "CSV with header x,y,z, LAS, LAZ, or a raster of heights")
+      ->required()
+      ->type_name("POINTS");
   command->add_option("--order", a->order, "0 to 20; of a polygon any")->capture_default_str()->type_name("K");
   command->add_option("--objective", a->objective, "one, or several by priority with commas: " + all_objective_names())
       ->capture_default_str()

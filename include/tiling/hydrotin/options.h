@@ -21,6 +21,10 @@ enum class KeepWork : std::uint8_t { never, on_failure, always };
 
 struct InputOptions {
   std::vector<std::string> points;       ///< LAS/LAZ files: absolute paths, globs or /vsi paths
+  std::vector<std::string> dem;          ///< rasters whose cells are points, named in the same ways
+  int dem_band = 1;                      ///< of each raster
+  double dem_quantum_m = 0.001;          ///< cell centres and heights of rasters are multiples of it
+  std::optional<double> dem_nodata;      ///< value that means "no height" besides what the rasters say
   std::vector<std::uint8_t> classes{2};  ///< classes used; empty: all
   std::string crs;                       ///< overrides the files' CRS; empty: theirs
   bool withheld = false;                 ///< use points flagged Withheld

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "box_tree.h"
+#include "hydrotin/convex_hull.h"
 #include "hydrotin/id.h"
 #include "hydrotin/lattice.h"
 
@@ -40,9 +41,5 @@ struct Outline {
 };
 
 [[nodiscard]] Outline load_outline(const std::string& path);
-
-/// Indices of the strict convex hull, counter-clockwise from the smallest by (x, y); fewer than three if collinear.
-/// O(n log n), but most points are discarded in O(n) first. Positions are distinct.
-[[nodiscard]] std::vector<std::uint32_t> convex_hull(const std::vector<LatticePoint>& position);
 
 }  // namespace hydrotin

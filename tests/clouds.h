@@ -24,15 +24,10 @@ namespace hydrotin::testing {
 /// SplitMix64: small, seedable with any number, good enough to lay out points.
 class Random {
  public:
-  explicit Random(std::uint64_t seed) : state_(seed * 0x9e3779b97f4a7c15u + 0x2545f4914f6cdd1du) {}
+  // The state is a place in one long stream: seeds are mixed, or neighbouring ones would share all but a few numbers.
+  explicit Random(std::uint64_t seed) : state_(mixed(seed + 0x2545f4914f6cdd1du)) {}
 
-  std::uint64_t bits() {
-    state_ += 0x9e3779b97f4a7c15u;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-  }
+  std::uint64_t bits() { return mixed(state_ += 0x9e3779b97f4a7c15u); }
   /// Uniform in [0, bound), bound in [1, 2^32).
   std::uint32_t below(std::uint64_t bound) { return static_cast<std::uint32_t>(((bits() >> 32) * bound) >> 32); }
   /// Uniform in [low, high].
@@ -44,6 +39,12 @@ class Random {
   double unit() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
 
  private:
+  static std::uint64_t mixed(std::uint64_t z) {
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+  }
+
   std::uint64_t state_;
 };
 

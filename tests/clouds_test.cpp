@@ -16,6 +16,12 @@ TEST(Clouds, SameSeedGivesTheSamePointsAndAnotherSeedOthers) {
   }
 }
 
+TEST(Clouds, NeighbouringSeedsShareNoPoints) {
+  std::set<LatticePoint> seen;
+  for (std::uint64_t seed = 0; seed < 100; ++seed)
+    for (const LatticePoint p : distinct(random_points(seed, 500, 1 << 30))) EXPECT_TRUE(seen.insert(p).second) << seed;
+}
+
 TEST(Clouds, HaveTheSizeAskedForAndPositiveCoordinates) {
   for (const CloudKind kind : kCloudKinds)
     for (const std::size_t n : {0u, 1u, 2u, 3u, 10u, 1000u, 20000u}) {

@@ -9,6 +9,7 @@
 #include "hydrotin/measure.h"
 #include "hydrotin/point_set.h"
 #include "hydrotin/polygon_batch.h"
+#include "order_k_scene.h"
 
 // The linear program over triangles, looked at from inside: its bound is a certificate for every costs.
 
@@ -16,34 +17,16 @@ namespace hydrotin {
 namespace {
 
 // One polygon of a point set with components inside.
-struct Scene {
-  Scene(std::uint64_t seed, int k) {
-    points = testing::distinct(testing::random_points(seed, 60, 1 << 12));
-    height = testing::random_heights(seed, points.size(), 1000);
-    owner = delaunay(points);
-    links = vertex_links(owner.view());
-    edges = useful_edges(owner.view(), links, k);
-    triangles = order_k_triangles(owner.view(), links, edges, k);
-    crossings = find_crossings(owner.view(), edges);
-    subdivision = subdivide(owner.view(), crossings.crossed);
-    candidates = candidates_by_polygon(subdivision, triangles);
-  }
-
-  std::vector<LatticePoint> points;
-  std::vector<std::int32_t> height;
-  Triangulation owner;
-  VertexLinks links;
-  UsefulEdges edges;
-  OrderKTriangles triangles;
-  Crossings crossings;
-  Subdivision subdivision;
-  PolygonCandidates candidates;
-};
+testing::OrderKScene scene_of(std::uint64_t seed, int k) {
+  auto points = testing::distinct(testing::random_points(seed, 60, 1 << 12));
+  auto height = testing::random_heights(seed, points.size(), 1000);
+  return {std::move(points), k, std::move(height)};
+}
 
 TEST(LinearProgram, DualCertifiesAndAnswersAreTriangulations) {
   int solved = 0, branched = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
-    const Scene scene(seed, 6);
+    const testing::OrderKScene scene = scene_of(seed, 6);
     const PolygonSource source{scene.owner.view(), scene.height,    scene.crossings,
                                scene.subdivision,  scene.triangles, scene.candidates};
     PolygonExtractor extractor(source);

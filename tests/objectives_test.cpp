@@ -215,19 +215,20 @@ TEST(Objectives, LimitOnErrorsIsKeptExactlyWherePossible) {
 
 // T3.3's ties and the linear program are two ways to the same optimum.
 TEST(Objectives, TiesAndLinearProgramAgree) {
-  int compared = 0;
-  for (std::uint64_t seed = 300; seed < 700 && compared < 150; ++seed) {
+  int compared = 0, with_many = 0;
+  for (std::uint64_t seed = 300; seed < 700 && (compared < 150 || with_many < 40); ++seed) {
     Terrain terrain;
-    terrain.p = testing::distinct(testing::random_points(seed, 10 + seed % 20, 1 << 10));
+    terrain.p = testing::distinct(testing::random_points(seed, 10 + seed % 30, 1 << 10));
     testing::shuffle(seed, terrain.p);
     terrain.z = testing::random_heights(seed, terrain.p.size(), 1000);
-    for (const int k : {4, 5, 6})
+    for (const int k : {4, 5, 6, 7})
       for (const Objective objective :
            {Objective::min_weight, Objective::local_minima, Objective::max_min_angle, Objective::max_sum_inradius}) {
         SCOPED_TRACE(::testing::Message() << name(objective) << " seed " << seed << " k " << k);
         const auto ties = solve(terrain, k, {.objectives = {objective}, .method = ComponentMethod::ties});
-        if (ties.components == 0 || ties.max_components > 4) continue;
+        if (ties.components == 0 || ties.max_components > 5) continue;
         ++compared;
+        with_many += ties.max_components > 2;  // then programs share what no other tie changes
         const auto linear = solve(terrain, k, {.objectives = {objective}, .method = ComponentMethod::linear_program});
         EXPECT_TRUE(linear.optimal || objective == Objective::local_minima);
         if (objective == Objective::local_minima) {
@@ -239,6 +240,7 @@ TEST(Objectives, TiesAndLinearProgramAgree) {
       }
   }
   EXPECT_GE(compared, 100);
+  EXPECT_GE(with_many, 40);
 }
 
 TEST(Objectives, FallbackIsNeverWorseThanDelaunayAndBounded) {
@@ -255,7 +257,8 @@ TEST(Objectives, FallbackIsNeverWorseThanDelaunayAndBounded) {
       const auto kept = solve(terrain, 3, {.objectives = {objective}, .max_triangles = 2});
       const auto exact = solve(terrain, 3, {.objectives = {objective}});
       const auto plain = solve(terrain, 0, {.objectives = {objective}});
-      EXPECT_GT(kept.fallbacks, 0U);
+      // Flips that serve every vertex are an optimum, and no fallback.
+      EXPECT_TRUE(kept.fallbacks > 0 || (objective == Objective::local_minima && kept.optimal));
       EXPECT_LE(sign * kept.value(), sign * plain.value() + 1e-7 * std::abs(plain.value()));
       EXPECT_LE(sign * kept.bound, sign * exact.value() + 1e-7 * std::abs(exact.value())) << "a false bound";
       if (is_exact(objective)) {

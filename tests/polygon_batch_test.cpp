@@ -9,6 +9,7 @@
 
 #include "clouds.h"
 #include "hydrotin/point_set.h"
+#include "order_k_scene.h"
 
 namespace hydrotin {
 namespace {
@@ -21,26 +22,7 @@ std::array<std::uint32_t, 3> sorted(std::array<std::uint32_t, 3> t) {
 }
 
 // All that comes before polygons are solved.
-struct Scene {
-  Triangulation owner;
-  TriangulationView tri;
-  VertexLinks links;
-  std::vector<std::int32_t> height;
-  UsefulEdges edges;
-  Crossings crossings;
-  Subdivision subdivision;
-  MinimaAssignment assignment;
-
-  Scene(const std::vector<LatticePoint>& points, std::vector<std::int32_t> z, int k)
-      : owner(delaunay(points)),
-        tri(owner.view()),
-        links(vertex_links(tri)),
-        height(std::move(z)),
-        edges(useful_edges(tri, links, k)),
-        crossings(find_crossings(tri, edges)),
-        subdivision(subdivide(tri, crossings.crossed)),
-        assignment(assign_minima(tri, links, edges, crossings, height)) {}
-};
+using Scene = testing::OrderKScene;
 
 struct Answer {
   std::vector<std::array<VertexId, 3>> triangles;
@@ -57,7 +39,7 @@ struct Answer {
 Answer solve(const Scene& s, Objective objective, const std::vector<std::uint8_t>& to_solve,
              const OrderKTriangles& triangles, std::uint32_t range) {
   const PolygonCandidates candidates = candidates_by_polygon(s.subdivision, triangles);
-  const PolygonSource source{s.tri,
+  const PolygonSource source{s.tri(),
                              s.height,
                              s.crossings,
                              s.subdivision,
@@ -67,7 +49,7 @@ Answer solve(const Scene& s, Objective objective, const std::vector<std::uint8_t
   PolygonExtractor extractor(source);
   PolygonSolver solver({.objectives = {objective}});
   Answer out;
-  out.triangles.resize(s.tri.num_triangles());
+  out.triangles.resize(s.tri().num_triangles());
   for (std::uint32_t end = s.subdivision.size(); end > 0;) {
     const std::uint32_t begin = end > range ? end - range : 0;
     const BatchFigures figures = solve_polygons(source, to_solve, begin, end, extractor, solver, out.triangles);
@@ -81,7 +63,7 @@ Answer solve(const Scene& s, Objective objective, const std::vector<std::uint8_t
 Answer solve_by_edges(const Scene& s, Objective objective, const std::vector<std::uint8_t>& to_solve, int k) {
   const OrderKTriangles no_triangles;
   const PolygonCandidates no_candidates;
-  const PolygonSource source{s.tri,
+  const PolygonSource source{s.tri(),
                              s.height,
                              s.crossings,
                              s.subdivision,
@@ -91,8 +73,8 @@ Answer solve_by_edges(const Scene& s, Objective objective, const std::vector<std
   PolygonExtractor extractor(source);
   PolygonSolver solver({.objectives = {objective}});
   Answer out;
-  out.triangles.resize(s.tri.num_triangles());
-  out.max_order = solve_polygons(source, to_solve, OrderKTriangleFinder(s.tri, s.links, s.edges, k),
+  out.triangles.resize(s.tri().num_triangles());
+  out.max_order = solve_polygons(source, to_solve, OrderKTriangleFinder(s.tri(), s.links, s.edges, k),
                                  edges_by_polygon(s.subdivision, s.edges, to_solve), 0, s.subdivision.size(), extractor,
                                  solver, out.triangles)
                       .max_order;
@@ -116,19 +98,19 @@ TEST(PolygonBatch, LeavingPolygonsOutChangesNothing) {
     for (const auto& points : clouds(seed))
       for (const int k : {1, 2, 3, 4, 5}) {
         SCOPED_TRACE(::testing::Message() << "seed " << seed << " k " << k);
-        const Scene s(points, testing::random_heights(seed, points.size(), seed % 3 ? 1000 : 4), k);
-        const OrderKTriangles all = order_k_triangles(s.tri, s.links, s.edges, k);
+        const Scene s(points, k, testing::random_heights(seed, points.size(), seed % 3 ? 1000 : 4));
+        const OrderKTriangles all = order_k_triangles(s.tri(), s.links, s.edges, k);
         for (const auto objective : {Objective::delaunay, Objective::min_weight, Objective::local_minima}) {
           const auto to_solve =
-              polygons_to_solve(s.tri, s.links, s.height, s.crossings, s.subdivision, objective, &s.assignment);
+              polygons_to_solve(s.tri(), s.links, s.height, s.crossings, s.subdivision, objective, &s.assignment);
           const std::vector<std::uint8_t> every(s.subdivision.size(), 1);
           const Answer expected = solve(s, objective, every, all, s.subdivision.size());
           const OrderKTriangles wanted =
-              OrderKTriangleFinder(s.tri, s.links, s.edges, k).find(0, s.edges.size(), s.subdivision, to_solve);
+              OrderKTriangleFinder(s.tri(), s.links, s.edges, k).find(0, s.edges.size(), s.subdivision, to_solve);
           for (const std::uint32_t range : {1U, 7U, 1000U}) {
             const Answer found = solve(s, objective, to_solve, wanted, range);
             EXPECT_EQ(found.ids(), expected.ids());
-            EXPECT_EQ(found.ids().size(), s.tri.num_triangles());
+            EXPECT_EQ(found.ids().size(), s.tri().num_triangles());
             EXPECT_EQ(found.max_order, expected.max_order);
           }
           const Answer by_edges = solve_by_edges(s, objective, to_solve, k);
@@ -148,13 +130,13 @@ TEST(PolygonBatch, LeavingPolygonsOutChangesNothing) {
 // A piece of a polygon is given triangles with corners in other pieces: here one polygon is given all triangles.
 TEST(PolygonBatch, TakesTrianglesWithCornersElsewhere) {
   const auto points = testing::distinct(testing::make_cloud(testing::CloudKind::uniform, 1, 400, 300));
-  const Scene s(points, testing::random_heights(1, points.size(), 1000), 3);
-  const OrderKTriangles all = order_k_triangles(s.tri, s.links, s.edges, 3);
+  const Scene s(points, 3, testing::random_heights(1, points.size(), 1000));
+  const OrderKTriangles all = order_k_triangles(s.tri(), s.links, s.edges, 3);
   PolygonCandidates candidates;
   candidates.begin.assign(s.subdivision.size() + 1, all.size());
   candidates.begin[0] = 0;
   for (std::uint32_t c = 0; c < all.size(); ++c) candidates.candidate.push_back(c);
-  const PolygonSource source{s.tri, s.height, s.crossings, s.subdivision, all, candidates, &s.assignment};
+  const PolygonSource source{s.tri(), s.height, s.crossings, s.subdivision, all, candidates, &s.assignment};
   PolygonExtractor extractor(source);
   for (int round = 0; round < 2; ++round) {
     const PolygonProblem& problem = extractor.extract(0);
@@ -171,11 +153,11 @@ TEST(PolygonBatch, EqualsTheTriangulationOfThePointSet) {
   for (std::uint64_t seed = 0; seed < 10; ++seed)
     for (const auto& points : clouds(seed)) {
       SCOPED_TRACE(seed);
-      const Scene s(points, testing::random_heights(seed, points.size(), 50), 3);
-      const auto to_solve = polygons_to_solve(s.tri, s.links, s.height, s.crossings, s.subdivision,
+      const Scene s(points, 3, testing::random_heights(seed, points.size(), 50));
+      const auto to_solve = polygons_to_solve(s.tri(), s.links, s.height, s.crossings, s.subdivision,
                                               Objective::local_minima, &s.assignment);
       const Answer found =
-          solve(s, Objective::local_minima, to_solve, order_k_triangles(s.tri, s.links, s.edges, 3), 10);
+          solve(s, Objective::local_minima, to_solve, order_k_triangles(s.tri(), s.links, s.edges, 3), 10);
       Triangles expected;
       for (const auto& t : triangulate(points, s.height, 3, Objective::local_minima).triangles)
         expected.insert(sorted(t));
@@ -187,9 +169,9 @@ TEST(OrderKTriangles, OfRangesAndPolygonsAreThoseOfTheWhole) {
   for (std::uint64_t seed = 0; seed < 10; ++seed)
     for (const auto& points : clouds(seed)) {
       SCOPED_TRACE(seed);
-      const Scene s(points, std::vector<std::int32_t>(points.size()), 4);
-      const OrderKTriangleFinder finder(s.tri, s.links, s.edges, 4);
-      const OrderKTriangles whole = order_k_triangles(s.tri, s.links, s.edges, 4);
+      const Scene s(points, 4, std::vector<std::int32_t>(points.size()));
+      const OrderKTriangleFinder finder(s.tri(), s.links, s.edges, 4);
+      const OrderKTriangles whole = order_k_triangles(s.tri(), s.links, s.edges, 4);
       std::vector<OrderKTriangles> parts;
       for (std::uint32_t e = 0; e < s.edges.size(); e += 13)
         parts.push_back(finder.find(e, std::min(e + 13, s.edges.size())));

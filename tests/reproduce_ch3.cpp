@@ -206,8 +206,7 @@ void random_sets(const Arguments& arguments) {
               arguments.runs);
   std::vector<Structure> measured;
   const auto make = [](std::size_t seed, int n) {
-    // Far from each other in the generator's one stream: sets of neighbouring seeds would share most of their points.
-    Points points = testing::random_points(seed * 0xd1342543de82ef95u, static_cast<std::size_t>(n), 1 << 26);
+    Points points = testing::random_points(seed, static_cast<std::size_t>(n), 1 << 26);
     sort_along_curve(points);
     return points;
   };

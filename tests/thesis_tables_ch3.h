@@ -2,7 +2,8 @@
 
 #include <array>
 
-/// Tables 3.1 and 3.2 of the thesis as printed: averages and maxima over 200 runs; rows k = 1..10, columns n = 1000..5000.
+/// Tables 3.1 and 3.2 of the thesis as printed: averages and maxima over 200 runs; rows k = 1..10, columns n =
+/// 1000..5000.
 
 namespace hydrotin::thesis {
 

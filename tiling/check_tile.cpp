@@ -5,13 +5,13 @@
 
 #include "hydrotin/predicates.h"
 #include "hydrotin/vertex_graph.h"
+#include "hydrotin/wide.h"
 #include "terrain_file.h"
 
 namespace hydrotin {
 namespace {
 
 Area twice_area(LatticePoint a, LatticePoint b, LatticePoint c) {
-  __extension__ using Wide = __int128;
   const Wide bx = std::int64_t{b.x} - a.x, by = std::int64_t{b.y} - a.y;
   const Wide cx = std::int64_t{c.x} - a.x, cy = std::int64_t{c.y} - a.y;
   const Wide area = bx * cy - by * cx;

@@ -4,12 +4,11 @@
 #include <tuple>
 
 #include "hydrotin/predicates.h"
+#include "hydrotin/wide.h"
 #include "terrain_file.h"
 
 namespace hydrotin {
 namespace {
-
-__extension__ using Wide = __int128;
 
 std::string file_of(const DatasetIndex& index, std::uint64_t point) {
   return index.tile_path(PointId(point).tile());

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "hydrotin/predicates.h"
+#include "hydrotin/wide.h"
 
 namespace hydrotin {
 
@@ -26,7 +27,6 @@ Region disc_through(LatticePoint a, LatticePoint b, LatticePoint c) {
   const double b2 = bx * bx + by * by, c2 = cx * cx + cy * cy;
   const std::int64_t ibx = std::int64_t{b.x} - a.x, iby = std::int64_t{b.y} - a.y;
   const std::int64_t icx = std::int64_t{c.x} - a.x, icy = std::int64_t{c.y} - a.y;
-  __extension__ using Wide = __int128;
   const double d = 2 * static_cast<double>(static_cast<Wide>(ibx) * icy - static_cast<Wide>(iby) * icx);
   const double ux = (cy * b2 - by * c2) / d, uy = (bx * c2 - cx * b2) / d;
   const double size =

@@ -4,7 +4,8 @@
 #include <limits>
 #include <vector>
 
-#include "exact_sum.h"
+#include "hydrotin/exact_sum.h"
+
 #include "part.h"
 #include "store.h"
 

@@ -30,19 +30,7 @@ PolygonOptions polygon_options(const RunContext& context) {
   return out;
 }
 
-void ErrorFigures::add(const TriangleError& error) {
-  squared.add(error.squared);
-  absolute.add(error.absolute);
-  largest = std::max(largest, error.largest);
-}
-
-void ErrorFigures::add(const ErrorFigures& other) {
-  squared.add(other.squared);
-  absolute.add(other.absolute);
-  largest = std::max(largest, other.largest);
-}
-
-void write_errors(store::Writer& out, const std::string& prefix, const ErrorFigures& errors) {
+void write_errors(store::Writer& out, const std::string& prefix, const TriangleError& errors) {
   out.set(prefix + "squared_high", errors.squared.high());
   out.set(prefix + "squared_low", static_cast<std::int64_t>(errors.squared.low()));
   out.set(prefix + "absolute_high", errors.absolute.high());
@@ -50,7 +38,7 @@ void write_errors(store::Writer& out, const std::string& prefix, const ErrorFigu
   out.set(prefix + "largest", errors.largest);
 }
 
-ErrorFigures read_errors(const store::Reader& in, const std::string& prefix) {
+TriangleError read_errors(const store::Reader& in, const std::string& prefix) {
   const auto sum = [&](const std::string& key) {
     return ExactSum(in.integer(prefix + key + "_high"), static_cast<std::uint64_t>(in.integer(prefix + key + "_low")));
   };
@@ -132,13 +120,21 @@ ResultTable::ResultTable(const store::Reader& in)
     : max_order_(in.read<std::uint32_t>("result_max_order")),
       flags_(in.read<std::uint8_t>("result_flags")),
       gap_(in.read<double>("result_gap")),
-      bound_(in.read<double>("result_bound")),
-      squared_(in.read<double>("result_squared")),
-      absolute_(in.read<double>("result_absolute")),
-      largest_(in.read<double>("result_largest")) {
-  if (flags_.size() != size() || gap_.size() != size() || bound_.size() != size() || squared_.size() != size() ||
-      absolute_.size() != size() || largest_.size() != size())
+      bound_(in.read<double>("result_bound")) {
+  const auto sums = [&](const std::string& key) {
+    const auto high = in.read<std::int64_t>(key + "_high");
+    const auto low = in.read<std::uint64_t>(key + "_low");
+    if (high.size() != size() || low.size() != size()) throw damaged(in.path());
+    std::vector<ExactSum> out;
+    for (std::size_t i = 0; i < size(); ++i) out.emplace_back(high[i], low[i]);
+    return out;
+  };
+  const auto squared = sums("result_squared"), absolute = sums("result_absolute");
+  const auto largest = in.read<double>("result_largest");
+  if (flags_.size() != size() || gap_.size() != size() || bound_.size() != size() || largest.size() != size())
     throw damaged(in.path());
+  for (std::size_t i = 0; i < size(); ++i)
+    error_.push_back({.squared = squared[i], .absolute = absolute[i], .largest = largest[i]});
 }
 
 void ResultTable::add(const PolygonResult& result) {
@@ -148,9 +144,7 @@ void ResultTable::add(const PolygonResult& result) {
                                              (result.optimal ? 0 : kNotOptimal)));
   gap_.push_back(result.gap);
   bound_.push_back(result.bound);
-  squared_.push_back(result.error.squared);
-  absolute_.push_back(result.error.absolute);
-  largest_.push_back(result.error.largest);
+  error_.push_back(result.error);
 }
 
 void ResultTable::append(const ResultTable& other) {
@@ -158,9 +152,7 @@ void ResultTable::append(const ResultTable& other) {
   flags_.insert(flags_.end(), other.flags_.begin(), other.flags_.end());
   gap_.insert(gap_.end(), other.gap_.begin(), other.gap_.end());
   bound_.insert(bound_.end(), other.bound_.begin(), other.bound_.end());
-  squared_.insert(squared_.end(), other.squared_.begin(), other.squared_.end());
-  absolute_.insert(absolute_.end(), other.absolute_.begin(), other.absolute_.end());
-  largest_.insert(largest_.end(), other.largest_.begin(), other.largest_.end());
+  error_.insert(error_.end(), other.error_.begin(), other.error_.end());
 }
 
 void ResultTable::write(store::Writer& out) const {
@@ -168,9 +160,21 @@ void ResultTable::write(store::Writer& out) const {
   out.append("result_flags", flags_, "1: fell back, 2: misses the limit on errors, 4: not proven to be optimal");
   out.append("result_gap", gap_, "at most so much above the optimum, if the first objective is a sum");
   out.append("result_bound", bound_, "no answer has a smaller score, if the first objective is a bottleneck");
-  out.append("result_squared", squared_, "errors of the reference points under the answer: sum of squares");
-  out.append("result_absolute", absolute_, "sum of absolute values");
-  out.append("result_largest", largest_, "largest absolute value");
+  const auto write_sums = [&](const std::string& key, ExactSum TriangleError::*sum, const std::string& what) {
+    std::vector<std::int64_t> high;
+    std::vector<std::uint64_t> low;
+    for (const TriangleError& error : error_) {
+      high.push_back((error.*sum).high());
+      low.push_back((error.*sum).low());
+    }
+    out.append(key + "_high", high, what + ": high half, in units of 2^-40");
+    out.append(key + "_low", low, what + ": low half");
+  };
+  write_sums("result_squared", &TriangleError::squared, "errors of the reference points, sum of squares");
+  write_sums("result_absolute", &TriangleError::absolute, "errors of the reference points, sum of absolute values");
+  std::vector<double> largest;
+  for (const TriangleError& error : error_) largest.push_back(error.largest);
+  out.append("result_largest", largest, "largest absolute value");
 }
 
 PolygonResult ResultTable::operator[](std::size_t i) const {
@@ -181,9 +185,7 @@ PolygonResult ResultTable::operator[](std::size_t i) const {
   result.optimal = (flags_[i] & kNotOptimal) == 0;
   result.gap = gap_[i];
   result.bound = bound_[i];
-  result.error.squared = squared_[i];
-  result.error.absolute = absolute_[i];
-  result.error.largest = largest_[i];
+  result.error = error_[i];
   return result;
 }
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "exact_sum.h"
+#include "hydrotin/exact_sum.h"
 #include "hydrotin/options.h"
 #include "hydrotin/polygon.h"
 #include "phases.h"
@@ -26,18 +26,9 @@ namespace hydrotin {
 /// What every solver of a run is asked. Fails: Error(config) if the limit on errors is too large for the lattice.
 [[nodiscard]] PolygonOptions polygon_options(const RunContext& context);
 
-/// Vertical errors of reference points.
-struct ErrorFigures {
-  ExactSum squared, absolute;
-  double largest = 0;
-
-  void add(const TriangleError& error);
-  void add(const ErrorFigures& other);
-  friend bool operator==(const ErrorFigures&, const ErrorFigures&) = default;
-};
-
-void write_errors(store::Writer& out, const std::string& prefix, const ErrorFigures& errors);
-[[nodiscard]] ErrorFigures read_errors(const store::Reader& in, const std::string& prefix);
+/// Vertical errors of reference points, as figures of a file; `within_limit` is not among them.
+void write_errors(store::Writer& out, const std::string& prefix, const TriangleError& errors);
+[[nodiscard]] TriangleError read_errors(const store::Reader& in, const std::string& prefix);
 
 struct PolygonFigures {
   /// Bucket of a polygon of so many Delaunay triangles: 1, 2, 3-4, 5-8, 9-16, ...
@@ -51,7 +42,7 @@ struct PolygonFigures {
   std::uint64_t fallbacks = 0, limit_missed = 0, not_optimal = 0, max_order = 0;
   ExactSum gap;                                             ///< first objective a sum
   double bound = -std::numeric_limits<double>::infinity();  ///< first objective a bottleneck: of its score
-  ErrorFigures error;                                       ///< of the reference points under the answers
+  TriangleError error;                                      ///< of the reference points under the answers
 
   /// A polygon's form.
   void add(std::uint32_t size, std::uint32_t num_components);
@@ -80,7 +71,8 @@ class ResultTable {
  private:
   std::vector<std::uint32_t> max_order_;
   std::vector<std::uint8_t> flags_;
-  std::vector<double> gap_, bound_, squared_, absolute_, largest_;
+  std::vector<double> gap_, bound_;
+  std::vector<TriangleError> error_;
 };
 
 }  // namespace hydrotin

@@ -61,8 +61,8 @@ struct TriangulationFigures {
 };
 
 // Errors of all reference points inside the hull.
-ErrorFigures errors_of(const TriangulationFigures& f) {
-  ErrorFigures out = f.polygons.error;
+TriangleError errors_of(const TriangulationFigures& f) {
+  TriangleError out = f.polygons.error;
   out.add(f.reference.vertex_error);
   return out;
 }

@@ -19,7 +19,7 @@ struct TileReference {
   ReferenceLocation location;  ///< points in owned triangles, by Delaunay triangle; its counts are not filled
   std::uint64_t points = 0;    ///< of the tile
   std::uint64_t outside = 0, at_vertices = 0, beyond_limit = 0;  ///< of these
-  ErrorFigures vertex_error;                                     ///< of those at vertices
+  TriangleError vertex_error;                                    ///< of those at vertices
 };
 
 /// @param height  [loaded vertices]  @param limit  may be null
@@ -32,7 +32,7 @@ struct TileReference {
 /// What a tile says of its reference points.
 struct ReferenceFigures {
   std::uint64_t points = 0, outside = 0, at_vertices = 0, beyond_limit = 0;
-  ErrorFigures vertex_error;
+  TriangleError vertex_error;
 
   void add(const ReferenceFigures& other);
   friend bool operator==(const ReferenceFigures&, const ReferenceFigures&) = default;

@@ -93,11 +93,39 @@ ComponentTies find_component_ties(const PolygonProblem& problem, const PolygonGr
   ComponentTies out;
   for (const std::uint32_t u : component_ends(problem, graph)) {
     for (const std::uint32_t w : tie_ends(problem, graph, u)) {
-      out.tie.push_back({graph.find(u, w), graph.find(w, u)});
+      const std::uint32_t tie = graph.find(u, w);
+      out.tie.push_back({tie, PolygonGraph::twin(tie)});
       add_blocked(problem, graph, problem.position[u], problem.position[w], out.blocked);
       out.blocked_begin.push_back(static_cast<std::uint32_t>(out.blocked.size()));
     }
     out.begin.push_back(static_cast<std::uint32_t>(out.tie.size()));
+  }
+  return out;
+}
+
+TieInfluence influence_of(const ComponentTies& ties, const PolygonGraph& graph) {
+  TieInfluence out;
+  std::vector<std::uint32_t> seen(graph.num_edges(), kNoEdge);
+  for (std::uint32_t c = 0; c < ties.num_components(); ++c) {
+    const auto reach = [&](std::uint32_t e) {
+      if (seen[e] == c) return;
+      seen[e] = c;
+      out.edge.push_back(e);
+    };
+    for (std::uint32_t t = ties.begin[c]; t < ties.begin[c + 1]; ++t) {
+      reach(ties.tie[t].edge);
+      reach(ties.tie[t].twin);
+      for (std::uint32_t i = ties.blocked_begin[t]; i < ties.blocked_begin[t + 1]; ++i)
+        for (std::size_t side = 0; side < 3; ++side) reach(graph.side(ties.blocked[i], side));
+    }
+    // What depends on an edge: the other sides of the triangles beyond it.
+    for (std::size_t i = out.begin.back(); i < out.edge.size(); ++i) {
+      const std::uint32_t twin = PolygonGraph::twin(out.edge[i]);
+      for (std::uint32_t o = graph.edge(twin).first_option; o != kNoEdge; o = graph.option(o).next)
+        for (std::size_t side = 0; side < 3; ++side)
+          if (const std::uint32_t e = graph.side(graph.option(o).triangle, side); e != twin) reach(e);
+    }
+    out.begin.push_back(static_cast<std::uint32_t>(out.edge.size()));
   }
   return out;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "polygon_graph.h"
@@ -29,6 +30,19 @@ struct ComponentTies {
   /// Ways to choose one tie per component, or `most` + 1 if there are more than `most`.
   [[nodiscard]] std::uint64_t num_ways(std::uint64_t most) const;
 };
+
+/// Of each component (CSR): the directed edges whose left side can be triangulated otherwise with another of its ties.
+struct TieInfluence {
+  std::vector<std::uint32_t> begin{0};
+  std::vector<std::uint32_t> edge;
+
+  [[nodiscard]] std::span<const std::uint32_t> of(std::uint32_t component) const {
+    return std::span(edge).subspan(begin[component], begin[component + 1] - begin[component]);
+  }
+};
+
+/// O(T + C) for each component.
+[[nodiscard]] TieInfluence influence_of(const ComponentTies& ties, const PolygonGraph& graph);
 
 /// O((T + C) log) and O(T + C) for each tie. Empty if everything hangs on the boundary.
 [[nodiscard]] ComponentTies find_component_ties(const PolygonProblem& problem, const PolygonGraph& graph);

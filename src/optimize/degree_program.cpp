@@ -71,10 +71,9 @@ std::vector<std::uint32_t> degrees(const PolygonGraph& graph, const std::vector<
   if (!problem.base_degree.empty()) degree.assign(problem.base_degree.begin(), problem.base_degree.end());
   for (const std::uint32_t number : triangles)
     for (std::size_t i = 0; i < 3; ++i) {
-      const std::uint32_t a = graph.triangle(number)[i], b = graph.triangle(number)[(i + 1) % 3];
+      const std::uint32_t e = graph.side(number, i);
       // An inner edge is met from both sides, once in each direction.
-      const bool inner = !graph.edge(graph.find(b, a)).is_boundary && !graph.edge(graph.find(a, b)).is_boundary;
-      if (inner) ++degree[a];
+      if (graph.is_inner(e)) ++degree[graph.edge(e).origin];
     }
   return degree;
 }

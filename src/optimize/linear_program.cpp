@@ -9,6 +9,7 @@
 #include <memory>
 #include <numeric>
 #include <optional>
+#include <span>
 
 namespace hydrotin {
 namespace {
@@ -129,10 +130,6 @@ class Formulation {
     row_upper_.push_back(upper);
   }
 
-  [[nodiscard]] bool is_inner(std::uint32_t e, std::uint32_t twin) const {
-    return !graph_.edge(e).is_boundary && !graph_.edge(twin).is_boundary;
-  }
-
   void add_rows() {
     std::vector<std::uint32_t> edge(graph_.num_edges());
     std::iota(edge.begin(), edge.end(), 0U);
@@ -141,7 +138,7 @@ class Formulation {
       return std::pair{at(a.origin), at(a.target)} < std::pair{at(b.origin), at(b.target)};
     });
     for (const std::uint32_t e : edge) {
-      const std::uint32_t twin = graph_.find(graph_.edge(e).target, graph_.edge(e).origin);
+      const std::uint32_t twin = PolygonGraph::twin(e);
       if (graph_.edge(twin).is_boundary) {
         add_left(e, 1);
         close_row(1, 1);
@@ -151,18 +148,22 @@ class Formulation {
         close_row(0, 0);
       }
     }
-    for (const std::uint32_t v : wish_) add_wish_row(v, edge);
+    // The edges of one origin stand together, and so do the wishes: both by position.
+    auto from = edge.begin();
+    for (const std::uint32_t v : wish_) {
+      while (at(graph_.edge(*from).origin) < at(v)) ++from;
+      auto to = from;
+      while (to != edge.end() && graph_.edge(*to).origin == v) ++to;
+      add_wish_row(v, {from, to});
+      from = to;
+    }
   }
 
   // A vertex is served at most as often as edges lead down from it.
-  void add_wish_row(std::uint32_t v, const std::vector<std::uint32_t>& edges) {
-    const PolygonProblem& problem = graph_.problem();
+  void add_wish_row(std::uint32_t v, std::span<const std::uint32_t> edges_of_v) {
     entry_.push_back({wish_column_[v], static_cast<int>(row_lower_.size()), 1});
-    for (const std::uint32_t e : edges) {
-      const auto& [origin, target] = std::pair{graph_.edge(e).origin, graph_.edge(e).target};
-      if (origin != v || !is_lower(problem.height[target], at(target), problem.height[v], at(v))) continue;
-      if (is_inner(e, graph_.find(target, origin))) add_left(e, -1);
-    }
+    for (const std::uint32_t e : edges_of_v)
+      if (graph_.edge(e).goes_down && graph_.is_inner(e)) add_left(e, -1);
     close_row(-std::numeric_limits<double>::max(), 0);
   }
 
@@ -278,7 +279,9 @@ class Tree {
     branch_or_keep(model, fixings);
   }
 
-  [[nodiscard]] bool counts_minima_only() const { return costs_.minima_slot == 0 && costs_.num_slots <= 2; }
+  [[nodiscard]] bool counts_minima_only() const {
+    return costs_.minima_slot == 0 && (costs_.num_slots == 1 || costs_.counts_foreign);
+  }
 
   // Whether answers with at least this much in the first slot may be better than the best so far.
   [[nodiscard]] bool may_improve(double first) const {

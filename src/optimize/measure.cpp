@@ -7,10 +7,10 @@
 #include <cstdint>
 #include <numbers>
 
+#include "hydrotin/exact_sum.h"
+
 namespace hydrotin {
 namespace {
-
-__extension__ using Wide = __int128;
 
 struct Difference {
   std::int64_t x, y;

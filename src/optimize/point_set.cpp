@@ -42,9 +42,9 @@ double measure(Objective objective, double score) {
 double value_of(Objective objective, const PointSetTriangulation& out, const Surface& surface) {
   switch (objective) {
     case Objective::min_squared_error:
-      return out.error.squared;
+      return out.error.squared.value();
     case Objective::min_absolute_error:
-      return out.error.absolute;
+      return out.error.absolute.value();
     case Objective::min_max_error:
       return out.error.largest;
     case Objective::min_max_order:
@@ -64,15 +64,9 @@ void add_figures(const PointSetGround& ground, const PointSetPolygons& polygons,
     out.max_polygon = std::max(out.max_polygon, static_cast<std::uint32_t>(polygons.answer(f).size()));
     out.components += ground.subdivision.components[f];
     out.max_components = std::max(out.max_components, ground.subdivision.components[f]);
-    out.error.squared += result.error.squared;
-    out.error.absolute += result.error.absolute;
-    out.error.largest = std::max(out.error.largest, result.error.largest);
-    out.error.within_limit = out.error.within_limit && result.error.within_limit;
+    out.error.add(result.error);
   }
-  const TriangleError& at_vertices = ground.reference.vertex_error;
-  out.error.squared += at_vertices.squared;
-  out.error.absolute += at_vertices.absolute;
-  out.error.largest = std::max(out.error.largest, at_vertices.largest);
+  out.error.add(ground.reference.vertex_error);
   out.reference_outside = ground.reference.outside;
   out.reference_at_vertices = ground.reference.at_vertices;
   out.vertices_beyond_limit = ground.reference.beyond_limit;

@@ -62,9 +62,9 @@ struct PolygonSolver::Impl {
       case Objective::min_sum_inradius:
         return to_fixed(inradius(a, b, c));
       case Objective::min_squared_error:
-        return to_fixed(error[t].squared);
+        return error[t].squared.units();
       case Objective::min_absolute_error:
-        return to_fixed(error[t].absolute);
+        return error[t].absolute.units();
       case Objective::local_minima:
         return 0;  // counted at vertices
       default:     // the number of foreign sides
@@ -84,6 +84,10 @@ struct PolygonSolver::Impl {
     costs.num_slots = std::max(1, static_cast<int>(slots.size()));
     const auto minima = std::find(slots.begin(), slots.end(), Objective::local_minima);
     costs.minima_slot = minima == slots.end() ? -1 : static_cast<int>(minima - slots.begin());
+    costs.counts_foreign = slots == std::vector{Objective::local_minima, Objective::delaunay};
+    costs.foreign = graph.foreign_sides();
+    costs.cost.clear();
+    if (costs.counts_foreign) return;
     costs.cost.assign(std::size_t{graph.num_triangles()} * static_cast<std::size_t>(costs.num_slots), 0);
     for (std::uint32_t t = 0; t < graph.num_triangles(); ++t)
       for (std::size_t s = 0; s < slots.size(); ++s)
@@ -112,7 +116,7 @@ struct PolygonSolver::Impl {
   [[nodiscard]] double side_bound() const {
     double bound = -kInfinity;
     for (std::uint32_t e = 0; e < graph.num_edges(); ++e) {
-      const std::uint32_t twin = graph.find(graph.edge(e).target, graph.edge(e).origin);
+      const std::uint32_t twin = PolygonGraph::twin(e);
       if (!graph.edge(twin).is_boundary || graph.edge(e).first_option == kNoEdge) continue;
       double least = kInfinity;
       for (std::uint32_t o = graph.edge(e).first_option; o != kNoEdge; o = graph.option(o).next)
@@ -217,7 +221,7 @@ struct PolygonSolver::Impl {
     const bool is_sum = kind_of(first()) == ObjectiveKind::quadrilateral_sum;
     double best = kInfinity, bound = kInfinity;
     std::uint64_t best_foreign = 0;
-    search.for_each_way(blocked, [&](const auto& way_blocked, const auto& closed) {
+    search.for_each_way(blocked, [&](const auto& way_blocked, const auto& closed, std::uint32_t) {
       ++result.programs;
       if (!program.run(graph, options, beyond, way_blocked, closed, triangles) || triangles.size() != size()) return;
       bound = std::min(bound, program.value() - (is_sum ? num_uncounted(closed) : 0));
@@ -239,7 +243,7 @@ struct PolygonSolver::Impl {
   [[nodiscard]] double num_uncounted(const std::vector<std::uint8_t>& closed) const {
     double count = 0;
     for (std::uint32_t e = 0; e < graph.num_edges(); ++e) {
-      const std::uint32_t twin = graph.find(graph.edge(e).target, graph.edge(e).origin);
+      const std::uint32_t twin = PolygonGraph::twin(e);
       count += e < twin && (closed[e] || (graph.edge(e).is_boundary && graph.edge(twin).is_boundary));
     }
     return count;
@@ -258,7 +262,7 @@ struct PolygonSolver::Impl {
 
   bool try_degree(std::uint32_t most, std::vector<std::uint32_t>& triangles, PolygonResult& result) {
     bool found = false;
-    search.for_each_way(blocked, [&](const auto& way_blocked, const auto& closed) {
+    search.for_each_way(blocked, [&](const auto& way_blocked, const auto& closed, std::uint32_t) {
       if (found) return;
       ++result.programs;
       found = triangulate_with_degree(graph, most, way_blocked, closed, triangles) && triangles.size() == size();
@@ -402,7 +406,7 @@ struct PolygonSolver::Impl {
     std::vector<std::uint8_t> count(problem->position.size(), 0);
     bool repeated = false;
     for (std::uint32_t e = 0; e < graph.num_edges(); ++e) {
-      const std::uint32_t twin = graph.find(graph.edge(e).target, graph.edge(e).origin);
+      const std::uint32_t twin = PolygonGraph::twin(e);
       if (graph.edge(twin).is_boundary) repeated = repeated || count[graph.edge(e).origin]++ > 0;
     }
     return repeated || problem->components > 0;
@@ -456,29 +460,13 @@ struct PolygonSolver::Impl {
 
   void add_delaunay_errors(PolygonResult& result) const {
     const ErrorLimit* limit = options.max_error ? &*options.max_error : nullptr;
-    // In an order of their own, because sums are rounded.
-    std::vector<ReferencePoint> points(problem->reference.begin(), problem->reference.end());
-    std::sort(points.begin(), points.end(), [](const ReferencePoint& p, const ReferencePoint& q) {
-      return std::pair{p.position, p.height} < std::pair{q.position, q.height};
-    });
-    for (const ReferencePoint& p : points) result.error.add(distance_from(p, problem->delaunay[p.triangle]), limit);
+    for (const ReferencePoint& p : problem->reference)
+      result.error.add(distance_from(p, problem->delaunay[p.triangle]), limit);
   }
 
-  // By triangles in (x, y) order, because sums are rounded.
   void add_errors(PolygonResult& result) {
     if (error.empty()) error = reference_errors(graph, options.max_error ? &*options.max_error : nullptr);
-    std::sort(answer.triangle.begin(), answer.triangle.end(), [&](std::uint32_t s, std::uint32_t t) {
-      auto a = corners(s), b = corners(t);
-      std::sort(a.begin(), a.end());
-      std::sort(b.begin(), b.end());
-      return a < b;
-    });
-    for (const std::uint32_t t : answer.triangle) {
-      result.error.squared += error[t].squared;
-      result.error.absolute += error[t].absolute;
-      result.error.largest = std::max(result.error.largest, error[t].largest);
-      result.error.within_limit = result.error.within_limit && error[t].within_limit;
-    }
+    for (const std::uint32_t t : answer.triangle) result.error.add(error[t]);
   }
 
   [[nodiscard]] VerticalDistance distance_from(const ReferencePoint& p, const std::array<std::uint32_t, 3>& t) const {
@@ -518,10 +506,8 @@ struct PolygonSolver::Impl {
   void find_servable() {
     served.assign(problem->position.size(), 0);
     for (std::uint32_t e = 0; e < graph.num_edges(); ++e) {
-      const std::uint32_t v = graph.edge(e).origin, w = graph.edge(e).target, twin = graph.find(w, v);
-      if (graph.edge(e).is_boundary || graph.edge(twin).is_boundary) continue;
-      if (!is_lower(problem->height[w], problem->position[w], problem->height[v], problem->position[v])) continue;
-      if (has_admissible(e) && has_admissible(twin)) served[v] = 1;
+      if (!graph.is_inner(e) || !graph.edge(e).goes_down) continue;
+      if (has_admissible(e) && has_admissible(PolygonGraph::twin(e))) served[graph.edge(e).origin] = 1;
     }
     for (std::uint32_t v = 0; v < served.size(); ++v)
       if (served[v]) servable.push_back(v);

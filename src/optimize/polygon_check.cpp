@@ -3,6 +3,7 @@
 #include <string>
 
 #include "hydrotin/error.h"
+#include "hydrotin/exact_sum.h"
 #include "hydrotin/predicates.h"
 #include "polygon_candidates.h"
 
@@ -73,8 +74,6 @@ void refuse_outside(const SimplePolygon& polygon) {
       refuse("point " + std::to_string(v) + " lies outside the polygon; give the vertices first, then points inside");
   }
 }
-
-__extension__ using Wide = __int128;
 
 Wide twice_signed_area(const SimplePolygon& polygon) {
   Wide area = 0;

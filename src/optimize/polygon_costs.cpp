@@ -1,31 +1,15 @@
 #include "polygon_costs.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace hydrotin {
-
-Wide to_fixed(double value) {
-  // In two steps, because a double of 2^120 holds no fraction but the conversion must not overflow.
-  const double scaled = std::ldexp(value, kFractionBits);
-  constexpr double kLargest = 0x1p120;
-  return static_cast<Wide>(std::nearbyint(std::clamp(scaled, -kLargest, kLargest)));
-}
-
-double from_fixed(Wide value) {
-  return std::ldexp(static_cast<double>(value), -kFractionBits);
-}
 
 void mark_served(const PolygonGraph& graph, const std::vector<std::uint32_t>& triangles,
                  std::vector<std::uint8_t>& served) {
-  const PolygonProblem& problem = graph.problem();
-  served.assign(problem.position.size(), 0);
+  served.assign(graph.problem().position.size(), 0);
   for (const std::uint32_t number : triangles)
     for (std::size_t i = 0; i < 3; ++i) {
-      const std::uint32_t a = graph.triangle(number)[i], b = graph.triangle(number)[(i + 1) % 3];
-      if (graph.edge(graph.find(b, a)).is_boundary) continue;
-      const bool a_is_lower = is_lower(problem.height[a], problem.position[a], problem.height[b], problem.position[b]);
-      served[a_is_lower ? b : a] = 1;
+      const std::uint32_t e = graph.side(number, i);
+      if (graph.edge(PolygonGraph::twin(e)).is_boundary) continue;
+      served[graph.edge(e).goes_down ? graph.edge(e).origin : graph.edge(e).target] = 1;
     }
 }
 

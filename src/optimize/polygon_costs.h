@@ -2,8 +2,10 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "hydrotin/exact_sum.h"
 #include "polygon_graph.h"
 
 /// What a search minimises: a vector of sums over triangles, compared from the first slot on. One slot may count
@@ -13,24 +15,20 @@
 
 namespace hydrotin {
 
-__extension__ using Wide = __int128;
-
 inline constexpr int kMaxSlots = 8;
-inline constexpr int kFractionBits = 40;
-
-/// Nearest fixed-point number. Precondition: |value| < 2^80.
-[[nodiscard]] Wide to_fixed(double value);
-[[nodiscard]] double from_fixed(Wide value);
 
 struct PolygonCosts {
   int num_slots = 1;
-  int minima_slot = -1;    ///< the slot that counts served vertices, as negative gains
-  std::vector<Wide> cost;  ///< [triangles * num_slots]
+  int minima_slot = -1;                   ///< the slot that counts served vertices, as negative gains
+  bool counts_foreign = false;            ///< two slots: local minima, then sides that are no Delaunay edges
+  std::vector<Wide> cost;                 ///< [triangles * num_slots], or empty where foreign sides are counted
+  std::span<const std::uint8_t> foreign;  ///< [triangles] of the graph
 
   /// What a vertex that wants a lower neighbour is worth if it gets one, by `wants_lower`.
   static constexpr std::array<Wide, 3> kGain{0, 1, Wide{1} << 40};
 
   [[nodiscard]] Wide of(std::uint32_t triangle, int slot) const {
+    if (counts_foreign) return slot == 1 ? foreign[triangle] : 0;
     return cost[std::size_t{triangle} * static_cast<std::size_t>(num_slots) + static_cast<std::size_t>(slot)];
   }
 };

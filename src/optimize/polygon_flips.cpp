@@ -22,7 +22,7 @@ class Flips {
     degree_ = degrees(graph, triangles);
     for (const std::uint32_t t : triangles) place(t, true);
     for (std::uint32_t e = 0; e < graph.num_edges(); ++e)
-      if (is_inner(e) && before(e)) {
+      if (graph_.is_inner(e) && before(e)) {
         edges_.push_back(e);
         if (option_[e] != kNone) count_edge(e, 1);
       }
@@ -58,12 +58,6 @@ class Flips {
   };
 
   [[nodiscard]] LatticePoint at(std::uint32_t v) const { return graph_.problem().position[v]; }
-  [[nodiscard]] std::uint32_t twin(std::uint32_t e) const {
-    return graph_.find(graph_.edge(e).target, graph_.edge(e).origin);
-  }
-  [[nodiscard]] bool is_inner(std::uint32_t e) const {
-    return !graph_.edge(e).is_boundary && !graph_.edge(twin(e)).is_boundary;
-  }
   [[nodiscard]] bool before(std::uint32_t e) const { return at(graph_.edge(e).origin) < at(graph_.edge(e).target); }
   [[nodiscard]] std::pair<LatticePoint, LatticePoint> key(std::uint32_t e) const {
     return {at(graph_.edge(e).origin), at(graph_.edge(e).target)};
@@ -80,11 +74,7 @@ class Flips {
   }
 
   void place(std::uint32_t t, bool present) {
-    const auto& v = graph_.triangle(t);
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::uint32_t e = graph_.find(v[i], v[(i + 1) % 3]);
-      option_[e] = present ? option_with(e, v[(i + 2) % 3]) : kNone;
-    }
+    for (std::size_t i = 0; i < 3; ++i) option_[graph_.side(t, i)] = present ? PolygonGraph::option_on(t, i) : kNone;
   }
   void count_edge(std::uint32_t e, int change) {
     const std::uint32_t a = graph_.edge(e).origin, b = graph_.edge(e).target;
@@ -95,7 +85,7 @@ class Flips {
   [[nodiscard]] std::optional<Quadrilateral> quadrilateral(std::uint32_t e) const {
     Quadrilateral q{};
     q.edge = e;
-    q.twin = twin(e);
+    q.twin = PolygonGraph::twin(e);
     q.left = option_[e];
     q.right = option_[q.twin];
     q.a = graph_.edge(e).origin;

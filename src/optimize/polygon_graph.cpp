@@ -1,51 +1,59 @@
 #include "polygon_graph.h"
 
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <utility>
 
 namespace hydrotin {
-namespace {
 
-std::uint32_t hash(std::uint32_t origin, std::uint32_t target) {
-  const std::uint64_t key = (std::uint64_t{origin} << 32 | target) * 0x9e3779b97f4a7c15ULL;
-  return static_cast<std::uint32_t>(key >> 32);
+// Where the edge stands, or the free place where it would. Vertices near each other have numbers near each other, so
+// that a linear hash keeps the table's places for a region together; the edges of one vertex are spread evenly.
+std::size_t PolygonGraph::slot_of(std::uint32_t origin, std::uint32_t target) const {
+  const auto [low, high] = std::minmax(origin, target);
+  const std::size_t mask = slot_.size() - 1;
+  std::size_t i = (std::size_t{9} * low + std::size_t{7} * high) & mask;
+  for (; slot_[i].edge != kNoEdge; i = (i + 1) & mask)
+    if (slot_[i].high == high && std::min(edges_[slot_[i].edge].origin, edges_[slot_[i].edge].target) == low) break;
+  return i;
 }
 
-}  // namespace
-
 std::uint32_t PolygonGraph::find(std::uint32_t origin, std::uint32_t target) const {
-  const auto mask = static_cast<std::uint32_t>(slot_.size() - 1);
-  for (std::uint32_t i = hash(origin, target) & mask; slot_[i] != kNoEdge; i = (i + 1) & mask)
-    if (edges_[slot_[i]].origin == origin && edges_[slot_[i]].target == target) return slot_[i];
-  return kNoEdge;
+  const std::uint32_t edge = slot_[slot_of(origin, target)].edge;
+  return edge == kNoEdge ? kNoEdge : directed(edge, origin);
+}
+
+bool PolygonGraph::goes_down(std::uint32_t origin, std::uint32_t target) const {
+  const auto& height = problem_->height;
+  const auto& position = problem_->position;
+  return !height.empty() && is_lower(height[target], position[target], height[origin], position[origin]);
 }
 
 std::uint32_t PolygonGraph::find_or_add(std::uint32_t origin, std::uint32_t target) {
-  const auto mask = static_cast<std::uint32_t>(slot_.size() - 1);
-  std::uint32_t i = hash(origin, target) & mask;
-  for (; slot_[i] != kNoEdge; i = (i + 1) & mask)
-    if (edges_[slot_[i]].origin == origin && edges_[slot_[i]].target == target) return slot_[i];
-  slot_[i] = static_cast<std::uint32_t>(edges_.size());
-  edges_.push_back({origin, target, kNoEdge, false, false});
-  return slot_[i];
+  Slot& slot = slot_[slot_of(origin, target)];
+  if (slot.edge != kNoEdge) return directed(slot.edge, origin);
+  slot = {std::max(origin, target), num_edges()};
+  const bool down = goes_down(origin, target);
+  edges_.push_back({origin, target, kNoEdge, false, false, down});
+  edges_.push_back({target, origin, kNoEdge, false, false, !down});
+  return slot.edge;
 }
 
 // The triangle stands on each of its three sides; the other two, reversed, are what is left to solve.
 void PolygonGraph::add_triangle(std::uint32_t t, bool delaunay) {
   const auto& v = triangle(t);
-  std::array<std::uint32_t, 3> inner, outer;
+  std::array<std::uint32_t, 3> inner;
   std::uint8_t foreign = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     inner[i] = find_or_add(v[i], v[(i + 1) % 3]);
-    outer[i] = find_or_add(v[(i + 1) % 3], v[i]);
-    if (delaunay) edges_[inner[i]].is_delaunay = edges_[outer[i]].is_delaunay = true;
+    if (delaunay) edges_[inner[i]].is_delaunay = edges_[twin(inner[i])].is_delaunay = true;
     foreign = static_cast<std::uint8_t>(foreign + !edges_[inner[i]].is_delaunay);
   }
-  foreign_.push_back(foreign);
+  foreign_[t] = foreign;
   for (std::size_t i = 0; i < 3; ++i) {
-    const auto o = static_cast<std::uint32_t>(options_.size());
-    options_.push_back({t, v[(i + 2) % 3], outer[(i + 2) % 3], outer[(i + 1) % 3], edges_[inner[i]].first_option});
+    const std::uint32_t o = option_on(t, i);
+    options_[o] = {t, v[(i + 2) % 3], twin(inner[(i + 2) % 3]), twin(inner[(i + 1) % 3]),
+                   edges_[inner[i]].first_option};
     edges_[inner[i]].first_option = o;
   }
 }
@@ -63,16 +71,13 @@ void PolygonGraph::for_sides(Visit visit) const {
 void PolygonGraph::build(const PolygonProblem& problem) {
   problem_ = &problem;
   edges_.clear();
-  options_.clear();
-  foreign_.clear();
+  options_.resize(3 * std::size_t{num_triangles()});
+  foreign_.resize(num_triangles());
   const auto num_delaunay = static_cast<std::uint32_t>(problem.delaunay.size());
-  slot_.assign(std::bit_ceil(std::size_t{12} * num_triangles() + 4 * problem.rim.size() + 4), kNoEdge);
+  slot_.assign(std::bit_ceil(std::max(16 * problem.position.size(), std::size_t{6} * num_triangles())), Slot{});
   for (std::uint32_t t = 0; t < num_delaunay; ++t) add_triangle(t, true);
   for (std::uint32_t t = num_delaunay; t < num_triangles(); ++t) add_triangle(t, false);
-  for_sides([&](std::uint32_t a, std::uint32_t b) {
-    find_or_add(a, b);
-    edges_[find_or_add(b, a)].is_boundary = true;
-  });
+  for_sides([&](std::uint32_t a, std::uint32_t b) { edges_[twin(find_or_add(a, b))].is_boundary = true; });
   root_ = kNoEdge;
   std::pair<LatticePoint, LatticePoint> smallest;
   for_sides([&](std::uint32_t a, std::uint32_t b) {

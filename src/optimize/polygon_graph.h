@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "hydrotin/polygon.h"
@@ -26,9 +27,10 @@ struct PolygonEdge {
   std::uint32_t first_option;  ///< kNoEdge: none
   bool is_delaunay;
   bool is_boundary;  ///< the outside (or a slit) is on its left: nothing to triangulate
+  bool goes_down;    ///< the target is lower than the origin, where heights are known
 };
 
-/// Built anew for each polygon; the arrays are reused.
+/// Built anew for each polygon; the arrays are reused. Both directions of an edge are there, side by side.
 class PolygonGraph {
  public:
   void build(const PolygonProblem& problem);
@@ -36,10 +38,21 @@ class PolygonGraph {
   [[nodiscard]] std::uint32_t num_edges() const { return static_cast<std::uint32_t>(edges_.size()); }
   [[nodiscard]] const PolygonEdge& edge(std::uint32_t e) const { return edges_[e]; }
   [[nodiscard]] std::uint32_t num_options() const { return static_cast<std::uint32_t>(options_.size()); }
+  /// The option of triangle t to stand on its side i.
+  [[nodiscard]] static std::uint32_t option_on(std::uint32_t t, std::size_t i) {
+    return 3 * t + static_cast<std::uint32_t>(i);
+  }
   [[nodiscard]] const Option& option(std::uint32_t o) const { return options_[o]; }
   /// The smallest side of the polygon by (origin, target) in (x, y), with the polygon on its left only.
   [[nodiscard]] std::uint32_t root() const { return root_; }
   [[nodiscard]] std::uint32_t find(std::uint32_t origin, std::uint32_t target) const;
+  [[nodiscard]] static std::uint32_t twin(std::uint32_t e) { return e ^ 1U; }
+  /// Whether the polygon is on both sides.
+  [[nodiscard]] bool is_inner(std::uint32_t e) const { return !edges_[e].is_boundary && !edges_[twin(e)].is_boundary; }
+  /// The directed edge from corner i of triangle t to the next, with the triangle on its left.
+  [[nodiscard]] std::uint32_t side(std::uint32_t t, std::size_t i) const {
+    return twin(options_[3 * std::size_t{t} + (i + 1) % 3].left_child);
+  }
   [[nodiscard]] const std::array<std::uint32_t, 3>& triangle(std::uint32_t t) const {
     return t < problem_->delaunay.size() ? problem_->delaunay[t] : problem_->others[t - problem_->delaunay.size()];
   }
@@ -48,10 +61,19 @@ class PolygonGraph {
   }
   /// Sides of triangle t that are not Delaunay edges.
   [[nodiscard]] std::uint32_t foreign_sides(std::uint32_t t) const { return foreign_[t]; }
+  [[nodiscard]] std::span<const std::uint8_t> foreign_sides() const { return foreign_; }
   [[nodiscard]] const PolygonProblem& problem() const { return *problem_; }
 
  private:
+  struct Slot {
+    std::uint32_t high = kNoEdge, edge = kNoEdge;  // larger end of the edge; its first direction
+  };
+  [[nodiscard]] std::size_t slot_of(std::uint32_t origin, std::uint32_t target) const;
+  [[nodiscard]] std::uint32_t directed(std::uint32_t edge, std::uint32_t origin) const {
+    return edges_[edge].origin == origin ? edge : twin(edge);
+  }
   std::uint32_t find_or_add(std::uint32_t origin, std::uint32_t target);
+  [[nodiscard]] bool goes_down(std::uint32_t origin, std::uint32_t target) const;
   void add_triangle(std::uint32_t t, bool delaunay);
   template <class Visit>
   void for_sides(Visit visit) const;
@@ -60,7 +82,7 @@ class PolygonGraph {
   std::vector<PolygonEdge> edges_;
   std::vector<Option> options_;
   std::vector<std::uint8_t> foreign_;
-  std::vector<std::uint32_t> slot_;  // open addressing: directed edge, or kNoEdge
+  std::vector<Slot> slot_;  // open addressing, in the order of the vertices by and large
   std::uint32_t root_ = kNoEdge;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -28,24 +29,19 @@ class PolygonProgram {
     closed_ = &closed;
     state_.assign(graph.num_edges(), kOpen);
     cell_.resize(graph.num_edges());
-    stack_.assign(1, graph.root());
-    while (!stack_.empty()) {
-      const std::uint32_t e = stack_.back();
-      if (state_[e] == kDone) {
-        stack_.pop_back();
-      } else if (state_[e] == kOpen && !is_end(e)) {
-        state_[e] = kEntered;
-        for_options(e, blocked, [&](const Option& option, std::uint32_t) {
-          for (const std::uint32_t child : {option.left_child, option.right_child})
-            if (state_[child] == kOpen) stack_.push_back(child);
-        });
-      } else {
-        solve(rule, e, blocked);
-        state_[e] = kDone;
-        stack_.pop_back();
-      }
-    }
-    return rule.best_state(cell_[graph.root()]) >= 0;
+    return finish(rule, blocked);
+  }
+
+  /// The same after changes of `blocked` and `closed` on which only the cells of the edges given to `forget` depend.
+  /// Precondition: no cycle around a component is left open, before and after.
+  bool run_again(const Rule& rule, const PolygonGraph& graph, const std::vector<std::uint8_t>& blocked,
+                 const std::vector<std::uint8_t>& closed) {
+    graph_ = &graph;
+    closed_ = &closed;
+    return finish(rule, blocked);
+  }
+  void forget(std::span<const std::uint32_t> edges) {
+    for (const std::uint32_t e : edges) state_[e] = kOpen;
   }
 
   [[nodiscard]] const typename Rule::Cell& root_cell() const { return cell_[graph_->root()]; }
@@ -67,6 +63,28 @@ class PolygonProgram {
 
  private:
   static constexpr std::uint8_t kOpen = 0, kEntered = 1, kDone = 2;
+
+  // Fills all open cells that the root's depends on.
+  bool finish(const Rule& rule, const std::vector<std::uint8_t>& blocked) {
+    stack_.assign(1, graph_->root());
+    while (!stack_.empty()) {
+      const std::uint32_t e = stack_.back();
+      if (state_[e] == kDone) {
+        stack_.pop_back();
+      } else if (state_[e] == kOpen && !is_end(e)) {
+        state_[e] = kEntered;
+        for_options(e, blocked, [&](const Option& option, std::uint32_t) {
+          for (const std::uint32_t child : {option.left_child, option.right_child})
+            if (state_[child] == kOpen) stack_.push_back(child);
+        });
+      } else {
+        solve(rule, e, blocked);
+        state_[e] = kDone;
+        stack_.pop_back();
+      }
+    }
+    return rule.best_state(cell_[graph_->root()]) >= 0;
+  }
 
   [[nodiscard]] bool is_end(std::uint32_t e) const { return graph_->edge(e).is_boundary || (*closed_)[e]; }
 

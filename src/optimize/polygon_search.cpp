@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "linear_program.h"
@@ -11,7 +12,8 @@ namespace hydrotin {
 namespace {
 
 constexpr std::uint32_t kTriangleVisits = 1U << 20;  // by all dynamic programs for the ties of one polygon
-constexpr std::uint32_t kMostTied = 16;              // components; to list the ties of more would take too long
+constexpr std::uint64_t kWaysWorthInfluence = 6;
+constexpr std::uint32_t kMostTied = 16;  // components; to list the ties of more would take too long
 
 }  // namespace
 
@@ -19,21 +21,16 @@ constexpr std::uint32_t kMostTied = 16;              // components; to list the 
 struct PolygonSearch::Programs {
   template <class Scalar, int Slots, int States>
   struct One {
-    using Scalar_ = Scalar;
-    PolygonProgram<SumRule<Scalar, Slots, States>> program;
+    using Rule = SumRule<Scalar, Slots, States>;
+    PolygonProgram<Rule> program;
 
-    bool run(const PolygonGraph& graph, const PolygonCosts& costs, std::array<Scalar, 3> gain,
-             const std::vector<std::uint8_t>& blocked, const std::vector<std::uint8_t>& closed,
-             std::vector<std::uint32_t>& triangles) {
-      const SumRule<Scalar, Slots, States> rule{graph.problem(), graph, costs, gain, std::max(0, costs.minima_slot)};
-      if (!program.run(rule, graph, blocked, closed)) return false;
-      triangles.clear();
-      program.read_back(rule, triangles);
-      return true;
+    [[nodiscard]] static Rule rule(const PolygonGraph& graph, const PolygonCosts& costs) {
+      return {graph.problem(), graph, costs, std::max(0, costs.minima_slot)};
     }
   };
 
-  One<std::int64_t, 2, 4> minima;
+  using Packed = One<std::int64_t, 1, 4>;
+  Packed minima;
   One<Wide, 1, 1> sum1;
   One<Wide, 2, 1> sum2;
   One<Wide, 4, 1> sum4;
@@ -62,9 +59,20 @@ void PolygonSearch::start(const PolygonGraph& graph, const PolygonOptions& optio
     return;
   }
   ties_ = find_component_ties(problem, graph);
-  if (options.method == ComponentMethod::ties) return;
   const std::uint64_t affordable = std::min(options.max_ways, kTriangleVisits / graph.num_triangles());
-  linear_ = ties_.num_ways(affordable) > affordable;
+  const std::uint64_t num_ways = ties_.num_ways(affordable);
+  linear_ = num_ways > affordable && options.method != ComponentMethod::ties;
+  if (!linear_) order_components(num_ways);
+}
+
+void PolygonSearch::order_components(std::uint64_t num_ways) {
+  component_order_.resize(ties_.num_components());
+  std::iota(component_order_.begin(), component_order_.end(), 0U);
+  influence_ = {};
+  if (num_ways < kWaysWorthInfluence) return;
+  influence_ = influence_of(ties_, *graph_);
+  std::stable_sort(component_order_.begin(), component_order_.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return influence_.of(a).size() < influence_.of(b).size(); });
 }
 
 bool PolygonSearch::is_within_budget() const {
@@ -80,37 +88,66 @@ bool PolygonSearch::run(const PolygonCosts& costs, const std::vector<std::uint8_
   return run_program(costs, best);
 }
 
+// Local minima, then Delaunay edges: in one number of 64 bits.
+bool PolygonSearch::is_packable(const PolygonCosts& costs) const {
+  return costs.minima_slot == 0 && costs.counts_foreign &&
+         graph_->num_triangles() < Programs::Packed::Rule::kMostPacked;
+}
+
+// Calls run(program, rule) with those that fit the costs.
+template <class Run>
+bool PolygonSearch::with_program(const PolygonCosts& costs, Run run) {
+  Programs& p = *programs_of_;
+  const auto with = [&](auto& one) { return run(one.program, one.rule(*graph_, costs)); };
+  if (costs.minima_slot < 0)
+    return costs.num_slots == 1   ? with(p.sum1)
+           : costs.num_slots == 2 ? with(p.sum2)
+           : costs.num_slots <= 4 ? with(p.sum4)
+                                  : with(p.sum8);
+  if (is_packable(costs)) return with(p.minima);
+  return costs.num_slots <= 4 ? with(p.minima4) : with(p.minima8);
+}
+
 bool PolygonSearch::run_program(const PolygonCosts& costs, PolygonAnswer& answer) {
   ++programs_;
-  Programs& p = *programs_of_;
-  const auto run_one = [&](auto& one) {
-    using Scalar = typename std::decay_t<decltype(one)>::Scalar_;
-    return one.run(
-        *graph_, costs,
-        {Scalar{0}, static_cast<Scalar>(PolygonCosts::kGain[1]), static_cast<Scalar>(PolygonCosts::kGain[2])}, blocked_,
-        closed_, answer.triangle);
-  };
-  bool solved = false;
-  if (costs.minima_slot < 0) {
-    solved = costs.num_slots == 1   ? run_one(p.sum1)
-             : costs.num_slots == 2 ? run_one(p.sum2)
-             : costs.num_slots <= 4 ? run_one(p.sum4)
-                                    : run_one(p.sum8);
-  } else if (costs.minima_slot == 0 && costs.num_slots <= 2 && graph_->num_triangles() < (1U << 20)) {
-    solved = run_one(p.minima);  // gains and counts of edges fit 64 bits
-  } else {
-    solved = costs.num_slots <= 4 ? run_one(p.minima4) : run_one(p.minima8);
-  }
+  const bool solved = with_program(costs, [&](auto& program, const auto& rule) {
+    if (!program.run(rule, *graph_, blocked_, closed_)) return false;
+    answer.triangle.clear();
+    program.read_back(rule, answer.triangle);
+    return true;
+  });
   if (!solved || answer.triangle.size() != size_) return false;
   answer.value = value_of(*graph_, costs, answer.triangle);
   return true;
 }
 
+// What only other components' ties have an influence on is kept from the run before. The answer is not read if it
+// cannot beat a value.
+bool PolygonSearch::run_program_again(const PolygonCosts& costs, std::uint32_t num_changed, const SlotValues* to_beat,
+                                      PolygonAnswer& answer) {
+  ++programs_;
+  const bool better = with_program(costs, [&](auto& program, const auto& rule) {
+    for (std::uint32_t i = 0; i < num_changed; ++i) program.forget(influence_.of(component_order_[i]));
+    if (!program.run_again(rule, *graph_, blocked_, closed_)) return false;
+    if (to_beat != nullptr && !(rule.best_value(program.root_cell()) < *to_beat)) return false;
+    answer.triangle.clear();
+    program.read_back(rule, answer.triangle);
+    return true;
+  });
+  if (!better || answer.triangle.size() != size_) return false;
+  answer.value = value_of(*graph_, costs, answer.triangle);
+  return true;
+}
+
 bool PolygonSearch::run_ties(const PolygonCosts& costs, const std::vector<std::uint8_t>& blocked, PolygonAnswer& best) {
-  bool found = false;
+  bool found = false, first = true;
   PolygonAnswer answer;
-  for_each_way(blocked, [&](const auto&, const auto&) {
-    if (!run_program(costs, answer) || (found && !(answer.value < best.value))) return;
+  for_each_way(blocked, [&](const auto&, const auto&, std::uint32_t num_changed) {
+    const bool again = !first && influence_.begin.size() > 1;
+    first = false;
+    const bool solved = again ? run_program_again(costs, num_changed, found ? &best.value : nullptr, answer)
+                              : run_program(costs, answer);
+    if (!solved || (found && !(answer.value < best.value))) return;
     found = true;
     std::swap(best, answer);
   });

@@ -33,7 +33,9 @@ class PolygonSearch {
   /// The best answer without blocked triangles; false if there is none, or none was found (then `is_proven` is false).
   bool run(const PolygonCosts& costs, const std::vector<std::uint8_t>& blocked, PolygonAnswer& best);
 
-  /// Calls visit(blocked, closed) for each way to tie the components. Precondition: within budget, not `is_linear`.
+  /// Calls visit(blocked, closed, num_changed) for each way to tie the components, of which the ties of the first
+  /// `num_changed` of an order of its own are not those of the way before. Precondition: within budget, not
+  /// `is_linear`.
   template <class Visit>
   void for_each_way(const std::vector<std::uint8_t>& blocked, Visit visit);
   /// An answer that is known without search, for the next run of a linear program.
@@ -49,15 +51,22 @@ class PolygonSearch {
 
  private:
   struct Programs;
-  static constexpr std::uint64_t kMostWays = 0xffffffff;
 
   bool run_ties(const PolygonCosts& costs, const std::vector<std::uint8_t>& blocked, PolygonAnswer& best);
+  [[nodiscard]] bool is_packable(const PolygonCosts& costs) const;
+  void order_components(std::uint64_t num_ways);
   bool run_program(const PolygonCosts& costs, PolygonAnswer& answer);
+  bool run_program_again(const PolygonCosts& costs, std::uint32_t num_changed, const SlotValues* to_beat,
+                         PolygonAnswer& answer);
+  template <class Run>
+  bool with_program(const PolygonCosts& costs, Run run);
   bool run_linear(const PolygonCosts& costs, const std::vector<std::uint8_t>& blocked, PolygonAnswer& best);
 
   const PolygonGraph* graph_ = nullptr;
   const PolygonOptions* options_ = nullptr;
   ComponentTies ties_;
+  TieInfluence influence_;                      // empty: not worth it
+  std::vector<std::uint32_t> component_order_;  // of ties; those with the least influence are changed most often
   std::unique_ptr<Programs> programs_of_;
   std::vector<std::uint8_t> blocked_, closed_;
   std::vector<std::uint32_t> incumbent_;
@@ -70,20 +79,25 @@ class PolygonSearch {
 // All ways, counted like the digits of a number.
 template <class Visit>
 void PolygonSearch::for_each_way(const std::vector<std::uint8_t>& blocked, Visit visit) {
-  const std::uint64_t ways = ties_.num_ways(kMostWays);
-  for (std::uint64_t way = 0; way < ways; ++way) {
+  std::vector<std::uint32_t> digit(ties_.num_components(), 0);
+  std::uint32_t num_changed = ties_.num_components();
+  for (;;) {
     blocked_.assign(blocked.begin(), blocked.end());
     closed_.assign(graph_->num_edges(), 0);
-    std::uint64_t rest = way;
-    for (std::uint32_t c = 0; c < ties_.num_components(); ++c) {
-      const std::uint32_t count = ties_.begin[c + 1] - ties_.begin[c];
-      const auto t = static_cast<std::uint32_t>(ties_.begin[c] + rest % count);
-      rest /= count;
+    for (std::uint32_t i = 0; i < digit.size(); ++i) {
+      const std::uint32_t t = ties_.begin[component_order_[i]] + digit[i];
       closed_[ties_.tie[t].edge] = closed_[ties_.tie[t].twin] = 1;
-      for (std::uint32_t i = ties_.blocked_begin[t]; i < ties_.blocked_begin[t + 1]; ++i)
-        blocked_[ties_.blocked[i]] = 1;
+      for (std::uint32_t b = ties_.blocked_begin[t]; b < ties_.blocked_begin[t + 1]; ++b)
+        blocked_[ties_.blocked[b]] = 1;
     }
-    visit(blocked_, closed_);
+    visit(blocked_, closed_, num_changed);
+    num_changed = 0;
+    for (bool carry = true; carry; ++num_changed) {
+      if (num_changed == digit.size()) return;
+      const std::uint32_t c = component_order_[num_changed];
+      carry = ++digit[num_changed] == ties_.begin[c + 1] - ties_.begin[c];
+      if (carry) digit[num_changed] = 0;
+    }
   }
 }
 

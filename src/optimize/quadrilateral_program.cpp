@@ -23,7 +23,7 @@ BeyondSides sides_beyond(const PolygonGraph& graph) {
   for (std::size_t t = 0; t < problem.delaunay.size(); ++t)
     for (std::size_t i = 0; i < 3; ++i)
       if (problem.fixed[t] >> i & 1U)
-        out[graph.find(problem.delaunay[t][(i + 1) % 3], problem.delaunay[t][i])] = problem.beyond[3 * t + i];
+        out[PolygonGraph::twin(graph.side(static_cast<std::uint32_t>(t), i))] = problem.beyond[3 * t + i];
   return out;
 }
 
@@ -40,8 +40,8 @@ double quadrilateral_value(const PolygonGraph& graph, const PolygonOptions& opti
   const auto for_sides = [&](auto visit) {
     for (const std::uint32_t t : triangles)
       for (std::size_t i = 0; i < 3; ++i) {
-        const auto& v = graph.triangle(t);
-        visit(graph.find(v[i], v[(i + 1) % 3]), graph.find(v[(i + 1) % 3], v[i]), v[(i + 2) % 3]);
+        const std::uint32_t e = graph.side(t, i);
+        visit(e, PolygonGraph::twin(e), graph.triangle(t)[(i + 2) % 3]);
       }
   };
   for_sides([&](std::uint32_t e, std::uint32_t, std::uint32_t apex) { third[e] = apex; });
@@ -134,7 +134,7 @@ bool QuadrilateralProgram::pass(Rule& rule, const PolygonGraph& graph, const std
   best_ = kNoEdge;
   Value best;
   const std::uint32_t root = graph.root();
-  const std::uint32_t outside = graph.find(graph.edge(root).target, graph.edge(root).origin);
+  const std::uint32_t outside = PolygonGraph::twin(root);
   for (std::uint32_t o = graph.edge(root).first_option; o != kNoEdge; o = graph.option(o).next) {
     if (!state_[o].possible) continue;
     Value value = state_[o].value;

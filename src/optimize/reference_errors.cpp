@@ -22,12 +22,6 @@ class Flood {
     point_.resize(problem.reference.size());
     std::vector<std::uint32_t> at(begin_.begin(), begin_.end() - 1);
     for (std::uint32_t i = 0; i < problem.reference.size(); ++i) point_[at[problem.reference[i].triangle]++] = i;
-    // In an order of their own, because sums are rounded.
-    for (std::size_t t = 0; t + 1 < begin_.size(); ++t)
-      std::sort(point_.begin() + begin_[t], point_.begin() + begin_[t + 1], [&](std::uint32_t i, std::uint32_t j) {
-        const ReferencePoint &p = problem.reference[i], &q = problem.reference[j];
-        return std::pair{p.position, p.height} < std::pair{q.position, q.height};
-      });
     seen_.assign(problem.delaunay.size(), 0);
   }
 
@@ -104,9 +98,8 @@ class Flood {
         const ReferencePoint& p = graph_.problem().reference[point_[i]];
         if (owns(c[0], c[1], c[2], p.position, p.on_rim)) found_.push_back(point_[i]);
       }
-      const auto& v = graph_.triangle(d);
       for (std::size_t i = 0; i < 3; ++i) {
-        const std::uint32_t beyond = delaunay_left_of(graph_.find(v[(i + 1) % 3], v[i]));
+        const std::uint32_t beyond = delaunay_left_of(PolygonGraph::twin(graph_.side(d, i)));
         if (beyond != kNoEdge) visit(beyond, t);
       }
     }
@@ -136,10 +129,6 @@ class Flood {
   TriangleError total(std::uint32_t t) {
     const PolygonProblem& problem = graph_.problem();
     const auto& v = graph_.triangle(t);
-    std::sort(found_.begin(), found_.end(), [&](std::uint32_t i, std::uint32_t j) {
-      const ReferencePoint &p = problem.reference[i], &q = problem.reference[j];
-      return std::pair{p.position, p.height} < std::pair{q.position, q.height};
-    });
     const auto corner = [&](std::size_t i) { return SurfacePoint{problem.position[v[i]], problem.height[v[i]]}; };
     TriangleError error;
     for (const std::uint32_t i : found_)

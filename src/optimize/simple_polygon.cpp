@@ -234,10 +234,7 @@ class Attempt {
     total.max_order = std::max(total.max_order, result.max_order);
     total.gap += result.gap;
     total.bound = std::max(total.bound, result.bound);
-    total.error.squared += result.error.squared;
-    total.error.absolute += result.error.absolute;
-    total.error.largest = std::max(total.error.largest, result.error.largest);
-    total.error.within_limit = total.error.within_limit && result.error.within_limit;
+    total.error.add(result.error);
   }
 
   const SoundPolygon& polygon_;
@@ -297,8 +294,8 @@ PolygonReference split_reference(const SoundPolygon& polygon, const ReferenceSet
 }
 
 double value_of(Objective objective, const PointSetTriangulation& out, const Surface& surface) {
-  if (objective == Objective::min_squared_error) return out.error.squared;
-  if (objective == Objective::min_absolute_error) return out.error.absolute;
+  if (objective == Objective::min_squared_error) return out.error.squared.value();
+  if (objective == Objective::min_absolute_error) return out.error.absolute.value();
   if (objective == Objective::min_max_error) return out.error.largest;
   if (objective == Objective::min_max_order) return out.max_order;
   return evaluate(objective, surface);
@@ -374,9 +371,7 @@ SimplePolygonTriangulation triangulate_polygon(const SimplePolygon& given, const
   best.fallbacks = result.fell_back;
   best.limit_missed = result.limit_missed;
   best.error = result.error;
-  best.error.squared += reference.vertex_error.squared;
-  best.error.absolute += reference.vertex_error.absolute;
-  best.error.largest = std::max(best.error.largest, reference.vertex_error.largest);
+  best.error.add(reference.vertex_error);
   best.reference_outside = reference.outside;
   best.reference_at_vertices = reference.at_vertices;
   best.vertices_beyond_limit = reference.beyond_limit;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <type_traits>
+#include <utility>
 
 #include "polygon_costs.h"
 #include "polygon_program.h"
@@ -16,8 +17,15 @@
 namespace hydrotin {
 
 /// @tparam Scalar  int64 if all values are small, else Wide
+/// With one slot and four states all values are in one number: served vertices (own, adopted), then foreign sides.
 template <class Scalar, int Slots, int States>
 struct SumRule {
+  static constexpr bool kPacked = Slots == 1 && States == 4;
+  static constexpr std::uint32_t kMostPacked = 1U << 19;  ///< triangles of a polygon, so that no part runs over
+  /// What a served vertex is worth, by wants_lower.
+  static constexpr std::array<Scalar, 3> kGain =
+      kPacked ? std::array<Scalar, 3>{0, Scalar{1} << 22, Scalar{1} << 42}
+              : std::array<Scalar, 3>{0, Scalar{1}, Scalar{PolygonCosts::kGain[2]}};
   using Value = std::array<Scalar, Slots>;
   struct Entry {
     Value value{};
@@ -30,7 +38,6 @@ struct SumRule {
   const PolygonProblem& problem;
   const PolygonGraph& graph;
   const PolygonCosts& costs;
-  std::array<Scalar, 3> gain{};  ///< by wants_lower
   int gain_slot = 0;
 
   [[nodiscard]] static Cell empty() { return {}; }
@@ -48,7 +55,26 @@ struct SumRule {
     }
   }
 
-  [[nodiscard]] int best_state(const Cell& cell) const {
+  [[nodiscard]] int best_state(const Cell& cell) const { return best_of(cell).first; }
+
+  /// The value of the whole answer. Where a vertex stands on the boundary twice, it may be counted twice: then the
+  /// answer is worth less.
+  [[nodiscard]] SlotValues best_value(const Cell& root) const {
+    const Value value = best_of(root).second;
+    SlotValues out{};
+    if constexpr (kPacked) {
+      const std::int64_t foreign = value[0] & (kGain[1] - 1), served = (foreign - value[0]) / kGain[1];
+      const std::int64_t own = served / (kGain[2] / kGain[1]), adopted = served % (kGain[2] / kGain[1]);
+      out[0] = -(own * PolygonCosts::kGain[2] + adopted * PolygonCosts::kGain[1]);
+      out[1] = foreign;
+    } else {
+      std::copy(value.begin(), value.end(), out.begin());
+    }
+    return out;
+  }
+
+ private:
+  [[nodiscard]] std::pair<int, Value> best_of(const Cell& cell) const {
     int best = -1;
     Value best_value{};
     for (int state = 0; state < States; ++state) {
@@ -57,32 +83,31 @@ struct SumRule {
       Value value = entry.value;
       if constexpr (States == 4) {
         const PolygonEdge& root = graph.edge(graph.root());
-        if (state & 1) value[slot()] -= gain[problem.wants_lower[root.origin]];
-        if (state & 2) value[slot()] -= gain[problem.wants_lower[root.target]];
+        if (state & 1) value[slot()] -= kGain[problem.wants_lower[root.origin]];
+        if (state & 2) value[slot()] -= kGain[problem.wants_lower[root.target]];
       }
       if (best >= 0 && !(value < best_value)) continue;
       best = state;
       best_value = value;
     }
-    return best;
+    return {best, best_value};
   }
 
- private:
   [[nodiscard]] std::size_t slot() const { return static_cast<std::size_t>(gain_slot); }
-  [[nodiscard]] bool lower(std::uint32_t p, std::uint32_t q) const {
-    return is_lower(problem.height[p], problem.position[p], problem.height[q], problem.position[q]);
-  }
+  [[nodiscard]] bool wants(std::uint32_t v) const { return problem.wants_lower[v] != 0; }
 
   void improve_states(Cell& cell, std::uint32_t o, const Cell& left, const Cell& right) const {
     const Option& option = graph.option(o);
     const PolygonEdge& el = graph.edge(option.left_child);   // i -> q
     const PolygonEdge& er = graph.edge(option.right_child);  // q -> j
     const std::uint32_t i = el.origin, q = option.apex, j = er.target;
+    const unsigned asked = (wants(i) ? 1U : 0U) | (wants(j) ? 2U : 0U);  // of other states nobody asks
     const bool inner_l = !el.is_boundary, inner_r = !er.is_boundary;
-    const bool i_served = inner_l && lower(q, i), j_served = inner_r && lower(q, j);
+    const bool i_served = inner_l && el.goes_down, j_served = inner_r && !er.goes_down;
     const bool q_served = (inner_l && !i_served) || (inner_r && !j_served);
-    const Scalar q_gain = gain[problem.wants_lower[q]];
+    const Scalar q_gain = kGain[problem.wants_lower[q]];
     for (unsigned state = 0; state < 4; ++state) {
+      if (state & ~asked) continue;
       const unsigned need_i = (state & 1U) && !i_served, need_j = (state & 2U) && !j_served;
       const auto offer_states = [&](unsigned q_left, unsigned q_right, Scalar served) {
         const unsigned sl = need_i | q_left << 1U, sr = q_right | need_j << 1U;
@@ -98,6 +123,7 @@ struct SumRule {
   }
 
   [[nodiscard]] Scalar cost(std::uint32_t triangle, std::size_t s) const {
+    if constexpr (kPacked) return graph.foreign_sides(triangle);
     if (static_cast<int>(s) < costs.num_slots) return static_cast<Scalar>(costs.of(triangle, static_cast<int>(s)));
     return 0;
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "hydrotin/predicates.h"
 
@@ -25,7 +26,6 @@ bool owns(LatticePoint a, LatticePoint b, LatticePoint c, LatticePoint p, bool o
 
 VerticalDistance vertical_distance(const SurfacePoint& a, const SurfacePoint& b, const SurfacePoint& c, LatticePoint p,
                                    std::int32_t height) {
-  using Wide = VerticalDistance::Wide;
   const auto difference = [&](LatticePoint q) {
     return std::pair{Wide{std::int64_t{q.x} - a.position.x}, Wide{std::int64_t{q.y} - a.position.y}};
   };
@@ -35,6 +35,18 @@ VerticalDistance vertical_distance(const SurfacePoint& a, const SurfacePoint& b,
   const Wide area = ux * vy - uy * vx, at_b = wx * vy - wy * vx, at_c = ux * wy - uy * wx;
   const std::int64_t zb = std::int64_t{b.height} - a.height, zc = std::int64_t{c.height} - a.height;
   return {(std::int64_t{height} - a.height) * area - zb * at_b - zc * at_c, area};
+}
+
+double VerticalDistance::value() const {
+  constexpr Wide kExact = Wide{1} << 53;
+  Wide n = numerator, d = denominator;
+  if (n > kExact || n < -kExact || d > kExact) {  // lowest terms, so that rounding starts from the same numbers
+    Wide a = n < 0 ? -n : n, b = d;
+    while (b != 0) a = std::exchange(b, a % b);
+    n /= a;
+    d /= a;
+  }
+  return static_cast<double>(n) / static_cast<double>(d);
 }
 
 bool ErrorLimit::allows(const VerticalDistance& distance) const {
@@ -48,10 +60,17 @@ bool ErrorLimit::allows(const VerticalDistance& distance) const {
 
 void TriangleError::add(const VerticalDistance& distance, const ErrorLimit* limit) {
   const double d = std::abs(distance.value());
-  squared += d * d;
-  absolute += d;
+  squared.add(d * d);
+  absolute.add(d);
   largest = std::max(largest, d);
   if (limit != nullptr) within_limit = within_limit && limit->allows(distance);
+}
+
+void TriangleError::add(const TriangleError& other) {
+  squared.add(other.squared);
+  absolute.add(other.absolute);
+  largest = std::max(largest, other.largest);
+  within_limit = within_limit && other.within_limit;
 }
 
 }  // namespace hydrotin

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hydrotin/useful_edges.h"
+#include "hydrotin/wide.h"
 
 #ifdef __SSE2__
 #include <emmintrin.h>
@@ -40,7 +41,6 @@ inline double wide_cross(Vector p, Vector q) {
   const double d = left - right;
   // Below 2^52 the products are exact, or the right one is so large that it decides.
   if (std::fabs(left) < 0x1p52 || std::fabs(d) > 1e-15 * (std::fabs(left) + std::fabs(right))) return d;
-  __extension__ using Wide = __int128;
   const auto wide = [](double v) { return static_cast<Wide>(v); };
   return static_cast<double>(wide(p.x) * wide(q.y) - wide(p.y) * wide(q.x));
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "hydrotin/least_change.h"
+#include "hydrotin/wide.h"
 #include "local_pits.h"
 
 namespace hydrotin {
@@ -58,7 +59,6 @@ struct Group {
   std::int64_t num_members = 0;
   [[nodiscard]] bool beats(const Group& other) const {
     if (other.payer == kNone) return true;
-    __extension__ using Wide = __int128;
     const Wide own = Wide{cost} * other.num_members, its = Wide{other.cost} * num_members;
     return own != its ? own < its : num_members > other.num_members;
   }

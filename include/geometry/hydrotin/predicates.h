@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "hydrotin/lattice.h"
+#include "hydrotin/wide.h"
 
 /// Exact predicates on the lattice, with the tie rule.
 ///
@@ -21,7 +22,6 @@ namespace hydrotin {
 [[nodiscard]] inline int orientation(LatticePoint a, LatticePoint b, LatticePoint c) {
   const std::int64_t bx = std::int64_t{b.x} - a.x, by = std::int64_t{b.y} - a.y;
   const std::int64_t cx = std::int64_t{c.x} - a.x, cy = std::int64_t{c.y} - a.y;
-  __extension__ using Wide = __int128;
   const Wide left = static_cast<Wide>(bx) * cy, right = static_cast<Wide>(by) * cx;
   return left > right ? 1 : left < right ? -1 : 0;
 }

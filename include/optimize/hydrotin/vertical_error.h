@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 
+#include "hydrotin/exact_sum.h"
 #include "hydrotin/lattice.h"
 #include "hydrotin/measure.h"
 
@@ -34,10 +35,10 @@ struct ReferencePoint {
 
 /// Height of the point minus height of the plane at its place, as a fraction with positive denominator.
 struct VerticalDistance {
-  __extension__ using Wide = __int128;
   Wide numerator = 0, denominator = 1;
 
-  [[nodiscard]] double value() const { return static_cast<double>(numerator) / static_cast<double>(denominator); }
+  /// Equal fractions have equal values, however they are written.
+  [[nodiscard]] double value() const;
 };
 
 /// Precondition: a, b, c counter-clockwise. Exact: below 2^100 for all 32-bit coordinates.
@@ -52,12 +53,15 @@ struct ErrorLimit {
   [[nodiscard]] bool allows(const VerticalDistance& distance) const;
 };
 
-/// Distances of all reference points that a triangle owns.
+/// Distances of all reference points that a triangle, or several, own.
 struct TriangleError {
-  double squared = 0, absolute = 0, largest = 0;
+  ExactSum squared, absolute;
+  double largest = 0;
   bool within_limit = true;
 
   void add(const VerticalDistance& distance, const ErrorLimit* limit);
+  void add(const TriangleError& other);
+  friend bool operator==(const TriangleError&, const TriangleError&) = default;
 };
 
 }  // namespace hydrotin

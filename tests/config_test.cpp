@@ -177,7 +177,7 @@ TEST(Config, Errors_NameLineAndColumn) {
   EXPECT_EQ(config_error(kMinimal + "run: {workers: 0}\n"),
             "c.yaml:2:16: run.workers: '0' is not possible (allowed: auto, or an integer from 1 to 1024)");
   EXPECT_EQ(config_error(kMinimal + "surprise: 1\n"),
-            "c.yaml:2:1: unknown key 'surprise' in the config (allowed: input, output, tiles, triangulation, rivers, "
+            "c.yaml:2:1: unknown key 'surprise' in the config (allowed: input, output, tiles, thin, triangulation, rivers, "
             "pits, run)");
   EXPECT_EQ(config_error("input:\n  points: [a.laz, [b]]\n").rfind("c.yaml:2:19: input.points: every item", 0), 0U);
   EXPECT_EQ(config_error("input: {points: []}\n").rfind("c.yaml:1:17: input.points: a list is not possible", 0), 0U);

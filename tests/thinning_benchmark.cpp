@@ -88,19 +88,17 @@ int main(int argc, char** argv) {
     const auto start = std::chrono::steady_clock::now();
     const Thinning got = thin(points.position, points.height, hull, options);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    double kept = 0, seeds = 0, pruned = 0, late = 0;
-    for (std::size_t i = 0; i < got.fate.size(); ++i) {
-      kept += is_kept(got.fate[i]);
-      seeds += got.fate[i] == PointFate::seed || (got.fate[i] == PointFate::pruned && got.round[i] == 0);
-      pruned += got.fate[i] == PointFate::pruned;
-      late += got.round[i] > kPoliteRounds;
+    double kept = 0, pruned = 0, settled = 0;
+    for (const PointFate fate : got.fate) {
+      kept += is_kept(fate);
+      pruned += fate == PointFate::pruned;
+      settled += fate == PointFate::settled;
     }
     std::printf(
-        "%9.0f points  cell %6.2f  seeds %5.2f %%  kept %6.2f %%  pruned %5.2f %%  late %5.2f %%  rounds %2u + %u  "
-        "max %.4f  rms %.4f  beyond %zu  %.3f us/point\n",
-        n, options.cell * points.scale_xy, 100 * seeds / n, 100 * kept / n, 100 * pruned / std::max(1.0, kept + pruned),
-        100 * late / std::max(1.0, kept), got.rounds, got.pruning_rounds, got.max_error * points.scale_z,
-        std::sqrt(got.squared_error / std::max(1.0, n - kept)) * points.scale_z, got.unsettled.size(),
-        1e6 * seconds / n);
+        "%9.0f points  cell %6.2f  kept %6.2f %%  pruned %5.2f %%  settled %4.0f  max %.4f  rms %.4f  beyond %zu  "
+        "%.3f us/point\n",
+        n, options.cell * points.scale_xy, 100 * kept / n, 100 * pruned / std::max(1.0, kept + pruned), settled,
+        got.max_error * points.scale_z, std::sqrt(got.squared_error / std::max(1.0, n - kept)) * points.scale_z,
+        got.unsettled.size(), 1e6 * seconds / n);
   }
 }

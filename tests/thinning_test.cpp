@@ -48,13 +48,20 @@ TEST(Thinning, Definition_EqualsRoundsFromNothing) {
       options.grid_x = -static_cast<std::int64_t>(seed % 7);
       options.grid_y = static_cast<std::int64_t>(seed % 3) * 1000;
       options.prune = seed % 5 != 0;
-      const Thinning got = thin(cloud.position, cloud.height, cloud.hull, options);
+      const Thinning got = thin_together(cloud.position, cloud.height, cloud.hull, options);
       const oracle::NaiveThinning expected(cloud.position, cloud.height, {cloud.hull.begin(), cloud.hull.end()},
                                            options);
       ASSERT_EQ(got.fate, expected.fate);
       EXPECT_EQ(got.rounds, expected.rounds);
       EXPECT_EQ(got.pruning_rounds, expected.pruning_rounds);
       EXPECT_EQ(got.unsettled.empty(), expected.is_within());
+      ThinningOptions stricter = options;
+      stricter.limit_millionths /= 3;
+      const Thinning settled = settle(cloud.position, cloud.height, got.fate, cloud.hull, stricter);
+      const oracle::NaiveThinning slowly(cloud.position, cloud.height, {cloud.hull.begin(), cloud.hull.end()}, stricter,
+                                         got.fate);
+      ASSERT_EQ(settled.fate, slowly.fate);
+      EXPECT_EQ(settled.unsettled.empty(), slowly.is_within());
       ++instances;
       most_rounds = std::max(most_rounds, got.rounds);
       for (const PointFate fate : got.fate) {
@@ -130,13 +137,71 @@ TEST(Thinning, FlatGroundKeepsTheHullAndWhatLocalityAsksFor) {
   const Cloud cloud = cloud_of(CloudKind::jittered, 1, 40'000, 100, 0);
   const Thinning got = thin(cloud.position, cloud.height, cloud.hull, {0, 1000, 0, 0, true});
   EXPECT_EQ(got.max_error, 0);
-  EXPECT_LT(count_kept(got), 400U + 900U);  // cells, and the points of slivers along the rim
+  EXPECT_LT(count_kept(got), 400U + 1100U);  // cells, and the points of slivers along the rim
   EXPECT_TRUE(got.unsettled.empty());
+}
+
+// A block's points have the fates that the rounds give them with its margin, then all blocks are settled.
+TEST(Thinning, Blocks_AreRoundsWithTheirMargins) {
+  std::uint64_t blocks = 0, settled = 0;
+  for (const CloudKind kind : {CloudKind::uniform, CloudKind::voided, CloudKind::scanlines, CloudKind::collinear}) {
+    SCOPED_TRACE(testing::name_of(kind));
+    const Cloud cloud = cloud_of(kind, 3, 30'000, 10, 900, 12);
+    if (cloud.hull.size() < 3) continue;
+    const ThinningOptions options{5'000'000, 10, 3, -7, true};
+    LatticeBox all;
+    for (const LatticePoint p : cloud.position) all.extend(p);
+    const std::vector<PointFate> got = thin_blocks(cloud.position, cloud.height, options, all);
+    const std::int64_t side = kBlockCells * options.cell, margin = kBlockMargin * options.cell;
+    for (std::int64_t x = 3 - side; x <= all.max.x; x += side)
+      for (std::int64_t y = -7 - side; y <= all.max.y; y += side) {
+        const auto is_in = [&](LatticePoint p, std::int64_t more) {
+          return p.x >= x - more && p.x < x + side + more && p.y >= y - more && p.y < y + side + more;
+        };
+        Cloud part;
+        std::vector<std::size_t> from;
+        for (std::size_t i = 0; i < cloud.position.size(); ++i) {
+          if (!is_in(cloud.position[i], margin)) continue;
+          part.position.push_back(cloud.position[i]);
+          part.height.push_back(cloud.height[i]);
+          from.push_back(i);
+        }
+        part.hull = convex_hull(part.position);
+        std::vector<PointFate> expected(from.size(), PointFate::seed);
+        if (part.hull.size() >= 3) expected = thin_together(part.position, part.height, part.hull, options).fate;
+        ++blocks;
+        for (std::size_t i = 0; i < from.size(); ++i)
+          if (is_in(part.position[i], 0)) {
+            ASSERT_EQ(got[from[i]], expected[i]);
+          }
+      }
+    const Thinning whole = thin(cloud.position, cloud.height, cloud.hull, options);
+    EXPECT_EQ(whole.fate, settle(cloud.position, cloud.height, got, cloud.hull, options).fate);
+    EXPECT_TRUE(whole.unsettled.empty());
+    settled += static_cast<std::uint64_t>(std::count(whole.fate.begin(), whole.fate.end(), PointFate::settled));
+    // Any part of the points that holds what decides gives the same.
+    const LatticeBox some{{400, 300}, {900, 500}};
+    const LatticeBox reach = reach_of_blocks(some, options);
+    Cloud near;
+    std::vector<std::size_t> from;
+    for (std::size_t i = 0; i < cloud.position.size(); ++i)
+      if (reach.contains(cloud.position[i])) {
+        near.position.push_back(cloud.position[i]);
+        near.height.push_back(cloud.height[i]);
+        from.push_back(i);
+      }
+    const std::vector<PointFate> here = thin_blocks(near.position, near.height, options, some);
+    for (std::size_t i = 0; i < from.size(); ++i)
+      if (some.contains(near.position[i])) {
+        EXPECT_EQ(here[i], got[from[i]]);
+      }
+  }
+  EXPECT_GT(blocks, 20U);
 }
 
 // What a window says without doubt is true of everything.
 TEST(Thinning, Window_IsRightWhereItIsSure) {
-  std::uint64_t sure = 0, doubtful = 0, sides = 0;
+  std::uint64_t sure = 0, doubtful = 0, sides = 0, changed = 0;
   for (std::uint64_t seed = 0; seed < 48; ++seed) {
     const CloudKind kind = testing::kCloudKinds[seed % 6];
     SCOPED_TRACE(::testing::Message() << testing::name_of(kind) << " " << seed);
@@ -146,7 +211,10 @@ TEST(Thinning, Window_IsRightWhereItIsSure) {
     options.cell = seed % 2 == 0 ? 100 : 157;
     options.grid_x = static_cast<std::int64_t>(seed) * 11;
     options.prune = seed % 4 != 3;
-    const Thinning whole = thin(cloud.position, cloud.height, cloud.hull, options);
+    ThinningOptions loose = options;  // leaves much to do
+    loose.limit_millionths *= 4;
+    const std::vector<PointFate> start = thin_together(cloud.position, cloud.height, cloud.hull, loose).fate;
+    const Thinning whole = settle(cloud.position, cloud.height, start, cloud.hull, options);
     LatticeBox all;
     for (const LatticePoint p : cloud.position) all.extend(p);
     testing::Random random(seed);
@@ -167,7 +235,9 @@ TEST(Thinning, Window_IsRightWhereItIsSure) {
     sides += window.open_left + window.open_right + window.open_below + window.open_above;
     Cloud part;
     std::vector<std::uint32_t> from;
+    std::vector<PointFate> part_start;
     const auto add = [&](std::uint32_t i) {
+      part_start.push_back(start[i]);
       part.position.push_back(cloud.position[i]);
       part.height.push_back(cloud.height[i]);
       from.push_back(i);
@@ -178,17 +248,19 @@ TEST(Thinning, Window_IsRightWhereItIsSure) {
       if (!window.box.contains(cloud.position[v])) add(v);
     for (const std::uint32_t v : cloud.hull)
       part.hull.push_back(static_cast<std::uint32_t>(std::find(from.begin(), from.end(), v) - from.begin()));
-    const Thinning got = thin(part.position, part.height, part.hull, options, &window);
+    const Thinning got = settle(part.position, part.height, part_start, part.hull, options, &window);
     for (std::size_t i = 0; i < from.size(); ++i) {
       doubtful += got.doubtful[i];
       if (got.doubtful[i] != 0) continue;
       ++sure;
+      changed += whole.fate[from[i]] == PointFate::settled;
       ASSERT_EQ(got.fate[i], whole.fate[from[i]]) << cloud.position[from[i]].x << " " << cloud.position[from[i]].y;
       ASSERT_EQ(got.round[i], whole.round[from[i]]);
     }
   }
-  EXPECT_GT(sure, 50'000U);
+  EXPECT_GT(sure, 200'000U);
   EXPECT_GT(doubtful, 100'000U);
+  EXPECT_GT(changed, 10'000U);
   EXPECT_GT(sides, 100U);
 }
 

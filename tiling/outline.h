@@ -29,6 +29,7 @@ struct Outline {
   std::vector<LatticeBox> reference_box;       ///< [tiles] tight box of these
   std::uint64_t points = 0;                    ///< kept by the filters
   std::uint64_t vertices = 0;
+  std::uint64_t removed = 0;  ///< by thinning
   std::uint64_t duplicates = 0;
   BoxTree tree{{}};            ///< of `box`
   BoxTree reference_tree{{}};  ///< of `reference_box`

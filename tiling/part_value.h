@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "hydrotin/exact_sum.h"
-
 #include "part.h"
 #include "store.h"
 

@@ -20,6 +20,7 @@
 #include "part_value.h"
 #include "polygon_figures.h"
 #include "reduced_store.h"
+#include "report_thinning.h"
 #include "schedule.h"
 #include "terrain_file.h"
 #include "tile_reference.h"
@@ -80,6 +81,7 @@ struct Figures {
   TriangulationFigures all;
   std::vector<PitRow> pits;  // before lifting
   std::int64_t lifted = 0, lift_total = 0, lift_max = 0;
+  std::optional<ThinningFigures> thinning;
 };
 
 void add_pits(const store::Reader& in, std::vector<PitRow>& rows) {
@@ -206,6 +208,9 @@ Figures collect(const RunContext& context) {
   s.fingerprint = fingerprint.hex();
   if (context.options.pits.method != PitMethod::none && s.pits > 0)
     s.problems.push_back(std::to_string(s.pits) + " pits are left");
+  f.thinning = read_thinning(context);
+  if (f.thinning)
+    for (std::string& problem : problems_of(*f.thinning)) s.problems.push_back(std::move(problem));
   s.ok = s.problems.empty();
   return f;
 }
@@ -283,7 +288,7 @@ json to_json(const RunContext& context, const TriangulationFigures& f) {
               {"local_minima", f.minima},
               {"fallbacks", p.fallbacks},
               {"limit_missed", p.limit_missed}};
-  if (context.plan.has_reference())
+  if (context.has_reference())
     out["reference"] = {{"points", f.reference.points},
                         {"outside", f.reference.outside},
                         {"at_vertices", f.reference.at_vertices},
@@ -333,6 +338,7 @@ json to_json(const RunContext& context, const Figures& f) {
           {"cells_nodata", skipped_cells(context).nodata},
           {"cells_not_finite", skipped_cells(context).not_finite},
           {"triangulation", triangulation},
+          {"thinning", f.thinning ? to_json(context, *f.thinning) : json()},
           {"lifting",
            {{"pits_before", f.pits.size()},
             {"vertices_moved", f.lifted},
@@ -436,7 +442,7 @@ std::string to_text(const RunContext& context, const Figures& f) {
   row("  total displacement", text);
   std::snprintf(text, sizeof text, "%.3f m", static_cast<double>(f.lift_max) * unit);
   row("  largest displacement", text);
-  if (context.plan.has_reference()) {
+  if (context.has_reference()) {
     out << "\nReference points\n";
     row("  points", f.all.reference.points);
     row("  outside the hull", f.all.reference.outside);
@@ -449,6 +455,7 @@ std::string to_text(const RunContext& context, const Figures& f) {
       row("  vertices beyond it", f.all.reference.beyond_limit);
     }
   }
+  if (f.thinning) write_text(context, *f.thinning, out);
   write_tiles(context, f, out);
   out << "\nResult\n";
   row("  fingerprint", s.fingerprint);
@@ -507,6 +514,7 @@ void write_index(const RunContext& context, const Figures& f) {
   out.set("outlets", std::string(context.options.pits.method == PitMethod::none ? "none" : hull ? "hull" : "lowest"));
   out.set("lowest_point", static_cast<std::int64_t>(context.outline.lowest.point.value));
   out.set("crs", context.plan.crs.size() < 60000 ? context.plan.crs : std::string());
+  if (f.thinning) write_to_index(context, *f.thinning, out);
   write_lattice(out, context.plan.lattice);
   out.append("tile_count", context.outline.count, "vertices that the tile owns");
   out.append("tile_box", flatten(context.outline.box), "tight boxes of them: min x, min y, max x, max y, lattice");

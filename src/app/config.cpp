@@ -224,20 +224,40 @@ std::string possible_objectives() {
   return out + "; or a list of them by priority";
 }
 
-void read_triangulation(const Reader& triangulation, const std::filesystem::path& folder,
+void read_thin(const Reader& thin, ThinOptions& options) {
+  thin.require_keys({"vertical_error_m", "cell_m", "prune"});
+  if (const Reader limit = thin.at("vertical_error_m"); limit.is_given())
+    options.vertical_error_m = limit.real(0, 1e6, "a height in metres from 0 to 1000000");
+  if (const Reader cell = thin.at("cell_m"); cell.is_given())
+    options.cell_m = cell.real(1e-3, 1e6, "a length in metres from 0.001 to 1000000");
+  if (const Reader prune = thin.at("prune"); prune.is_given()) options.prune = prune.boolean();
+  for (const char* key : {"cell_m", "prune"})
+    if (const Reader given = thin.at(key); given.is_given() && !options.vertical_error_m)
+      fail(given.place(), given.name() + ": nothing is thinned (give thin.vertical_error_m)");
+}
+
+void read_triangulation(const Reader& triangulation, const std::filesystem::path& folder, bool thins,
                         TriangulationOptions& options) {
   triangulation.require_keys({"order", "objective", "reference", "max_error_m"});
   if (const Reader order = triangulation.at("order"); order.is_given())
     options.order = static_cast<int>(order.integer(0, 6));
   const Reader reference = triangulation.at("reference");
   if (reference.is_given()) {
-    const std::string patterns = "a list of LAS or LAZ files or patterns";
-    for (const Reader& item : reference.list(patterns))
-      options.reference.push_back(resolved(folder, item.text(patterns)));
+    const std::string patterns = "a list of LAS or LAZ files or patterns, or removed";
+    for (const Reader& item : reference.list(patterns)) {
+      if (item.text(patterns) != "removed") {
+        options.reference.push_back(resolved(folder, item.text(patterns)));
+        continue;
+      }
+      if (!thins) fail(item.place(), item.name() + ": nothing is removed (give thin.vertical_error_m)");
+      options.removed_reference = true;
+    }
+  } else {
+    options.removed_reference = thins;
   }
   if (const Reader limit = triangulation.at("max_error_m"); limit.is_given()) {
     options.max_error_m = limit.real(0, 1e6, "a height in metres from 0 to 1000000");
-    if (options.reference.empty())
+    if (!options.has_reference())
       fail(limit.place(), limit.name() + ": errors are those of reference points (give triangulation.reference)");
   }
   if (const Reader objective = triangulation.at("objective"); objective.is_given()) {
@@ -307,7 +327,7 @@ PipelineOptions read_config(const std::filesystem::path& path, std::span<const C
   ConfigValue tree = read_config_tree(path);
   for (const auto& override : overrides) apply_override(tree, override);
   const Reader root(&tree, "");
-  root.require_keys({"input", "output", "tiles", "triangulation", "rivers", "pits", "run"});
+  root.require_keys({"input", "output", "tiles", "thin", "triangulation", "rivers", "pits", "run"});
   root.refuse_for_now("rivers", "embed rivers");
 
   const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
@@ -318,7 +338,9 @@ PipelineOptions read_config(const std::filesystem::path& path, std::span<const C
   tiles.require_keys({"target_points"});
   if (const Reader target = tiles.at("target_points"); target.is_given())
     options.tiles.target_points = target.integer(1000, 1'000'000'000);
-  read_triangulation(root.at("triangulation"), folder, options.triangulation);
+  read_thin(root.at("thin"), options.thin);
+  read_triangulation(root.at("triangulation"), folder, options.thin.vertical_error_m.has_value(),
+                     options.triangulation);
   read_pits(root.at("pits"), options.pits);
   read_run(root.at("run"), folder, options.run);
   return options;

@@ -11,16 +11,15 @@ constexpr std::uint8_t kListed = 1, kUnclear = 2;  // marks of triangles
 
 class Inserting {
  public:
-  explicit Inserting(RoundState& state) : state_(state), mesh_(state.mesh) {
+  Inserting(RoundState& state, const InsertingStages& stages) : state_(state), stages_(stages), mesh_(state.mesh) {
     for (std::uint32_t t = 0; t < mesh_.num_slots(); ++t)
       if (mesh_[t].is_live) list(t);
   }
 
   void run() {
-    for (std::uint32_t round = 1; round <= kInsertingRounds; ++round) {
-      const Stage stage = round <= kPoliteRounds                  ? Stage::polite
-                          : round <= kPoliteRounds + kEagerRounds ? Stage::eager
-                                                                  : Stage::last;
+    const std::uint32_t polite = stages_.polite, eager = polite + stages_.eager;
+    for (std::uint32_t round = 1; round <= eager + stages_.last; ++round) {
+      const Stage stage = round <= polite ? Stage::polite : round <= eager ? Stage::eager : Stage::last;
       if (state_.doubt != nullptr) find_unclear();
       accept(stage);
       const bool has_spread = state_.doubt != nullptr && state_.doubt->settle();
@@ -118,7 +117,7 @@ class Inserting {
     fresh_.clear();
     for (const std::uint32_t p : accepted_) {
       mesh_.insert(p, fresh_);
-      state_.fate[p] = PointFate::inserted;
+      state_.fate[p] = stages_.fate;
       state_.round[p] = static_cast<std::uint8_t>(round);
     }
     for (const std::uint32_t t : fresh_)
@@ -126,14 +125,15 @@ class Inserting {
   }
 
   RoundState& state_;
+  const InsertingStages& stages_;
   ThinMesh& mesh_;
   std::vector<std::uint32_t> active_, accepted_, fresh_;
 };
 
 }  // namespace
 
-void insert_in_rounds(RoundState& state) {
-  Inserting(state).run();
+void insert_in_rounds(RoundState& state, const InsertingStages& stages) {
+  Inserting(state, stages).run();
 }
 
 }  // namespace hydrotin::thinning

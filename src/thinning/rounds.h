@@ -34,8 +34,13 @@ struct RoundState {
   [[nodiscard]] bool is_unclear(std::uint32_t t) const { return doubt->any(mesh[t].reach); }
 };
 
+struct InsertingStages {
+  std::uint32_t polite = 0, eager = 0, last = 0;
+  PointFate fate = PointFate::inserted;  ///< of points inserted
+};
+
 /// Inserts points until all are within the limit, or the rounds are over.
-void insert_in_rounds(RoundState& state);
+void insert_in_rounds(RoundState& state, const InsertingStages& stages);
 
 /// Removes vertices that are not needed.
 void prune_in_rounds(RoundState& state);

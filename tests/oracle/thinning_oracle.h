@@ -27,8 +27,19 @@ class NaiveThinning {
     kept_.insert(hull.begin(), hull.end());
     fate.assign(p_.size(), PointFate::removed);
     for (const int v : kept_) fate[at(v)] = PointFate::seed;
-    insert();
+    insert(kPoliteRounds, kEagerRounds, kLastRounds, PointFate::inserted);
     if (options.prune) prune();
+  }
+
+  /// Settling from given fates.
+  NaiveThinning(std::vector<LatticePoint> position, std::vector<std::int32_t> height, const std::set<int>& hull,
+                const ThinningOptions& options, std::vector<PointFate> start)
+      : fate(std::move(start)), p_(std::move(position)), z_(std::move(height)), options_(options) {
+    for (const int v : hull)
+      if (!is_kept(fate[at(v)])) fate[at(v)] = PointFate::seed;
+    for (int i = 0; i < size(); ++i)
+      if (is_kept(fate[at(i)])) kept_.insert(i);
+    insert(0, kSettlingRounds / 2, kSettlingRounds / 2, PointFate::settled);
   }
 
   std::vector<PointFate> fate;
@@ -152,8 +163,8 @@ class NaiveThinning {
     return side2(0) * side2(1) * side2(2) <= 4 * radius * radius * whole * whole;
   }
 
-  void insert() {
-    for (std::uint32_t round = 1; round <= kInsertingRounds; ++round) {
+  void insert(std::uint32_t polite, std::uint32_t eager, std::uint32_t last, PointFate as) {
+    for (std::uint32_t round = 1; round <= polite + eager + last; ++round) {
       const auto tri = delaunay_of(kept_);
       std::vector<std::vector<int>> in(tri.size());
       for (int q = 0; q < size(); ++q)
@@ -164,14 +175,14 @@ class NaiveThinning {
         for (const int q : in[t]) {
           if (!is_local(tri[t])) accepted.insert(q);
           if (!is_local(tri[t]) || !is_beyond(tri[t], q)) continue;
-          if (round > kPoliteRounds + kEagerRounds) accepted.insert(q);
+          if (round > polite + eager) accepted.insert(q);
           if (!proposal[t] || comes_before(tri[t], q, tri[t], *proposal[t])) proposal[t] = q;
         }
       }
       for (std::size_t t = 0; t < tri.size(); ++t) {
         if (!proposal[t]) continue;
         bool is_best = true;
-        for (std::size_t n = 0; n < tri.size() && round <= kPoliteRounds; ++n)
+        for (std::size_t n = 0; n < tri.size() && round <= polite; ++n)
           if (n != t && proposal[n] && share_edge(tri[t], tri[n]))
             is_best = is_best && comes_before(tri[t], *proposal[t], tri[n], *proposal[n]);
         if (is_best) accepted.insert(*proposal[t]);
@@ -180,7 +191,7 @@ class NaiveThinning {
       rounds = static_cast<int>(round);
       for (const int q : accepted) {
         kept_.insert(q);
-        fate[at(q)] = PointFate::inserted;
+        fate[at(q)] = as;
       }
     }
   }

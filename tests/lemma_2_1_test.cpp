@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <tuple>
 #include <vector>
 
 #include "clouds.h"
-#include "hydrotin/useful_edges.h"
+#include "hydrotin/pencil_growth.h"
 #include "oracle/definitions.h"
 
 // Useful edges against Lemma 2.1 taken literally: for every pair of points, all other points are looked at.
@@ -37,6 +38,7 @@ bool inside(LatticePoint a, LatticePoint b, LatticePoint c, LatticePoint d) {
 
 // The edge from u to v (u before v in (x, y)): points inside C(u, v, s1), and inside C(u, v, s2).
 struct Lemma {
+  std::uint32_t s1 = 0, s2 = 0;  // of the edge
   std::set<std::uint32_t> right, left;
 
   [[nodiscard]] int order() const { return static_cast<int>(std::max(right.size(), left.size())); }
@@ -53,7 +55,7 @@ std::optional<Lemma> lemma_2_1(const Points& p, std::uint32_t u, std::uint32_t v
     if (turn < 0 && (!s2 || inside(p[v], p[u], p[*s2], p[i]))) s2 = i;
   }
   if (!s1 || !s2) return std::nullopt;
-  Lemma out;
+  Lemma out{*s1, *s2, {}, {}};
   for (std::uint32_t i = 0; i < p.size(); ++i) {
     if (i == u || i == v) continue;
     if (i != *s1 && inside(p[u], p[v], p[*s1], p[i])) out.right.insert(i);
@@ -62,22 +64,60 @@ std::optional<Lemma> lemma_2_1(const Points& p, std::uint32_t u, std::uint32_t v
   return out;
 }
 
+// What is stored with an edge; apexes with their orders.
 struct Found {
   int order = 0;
-  std::set<std::uint32_t> right, left;
+  std::size_t num_right = 0, num_left = 0;
+  std::uint32_t s1 = 0, s2 = 0;
+  std::map<std::uint32_t, int> right, left;
   friend bool operator==(const Found&, const Found&) = default;
 };
 
 using Edges = std::map<std::pair<std::uint32_t, std::uint32_t>, Found>;
 
-Edges ids_of(const UsefulEdges& edges) {
+Edges ids_of(const TriangulationView& tri, const UsefulEdges& edges) {
   Edges out;
   for (std::uint32_t e = 0; e < edges.size(); ++e) {
-    Found found{edges.useful_order[e], {}, {}};
-    for (const VertexId v : edges.right(e)) found.right.insert(v.value);
-    for (const VertexId v : edges.left(e)) found.left.insert(v.value);
-    EXPECT_EQ(found.right.size() + found.left.size(), edges.right(e).size() + edges.left(e).size());
-    EXPECT_TRUE(out.insert({{edges.a[e].value, edges.b[e].value}, found}).second);
+    const VertexId a = edges.a(tri, e);
+    Found found{edges.useful_order(e),
+                edges.num_right[e],
+                edges.num_left[e],
+                edges.left[e].value,
+                edges.right[e].value,
+                {},
+                {}};
+    for (const Apex& apex : edges.apexes(e))
+      EXPECT_TRUE((apex.is_right ? found.right : found.left).insert({apex.point.value, apex.order}).second);
+    EXPECT_TRUE(out.insert({{a.value, edges.b[e].value}, found}).second);
+  }
+  return out;
+}
+
+// The apexes among the points of one side: empty triangles of order at most k with useful edges, without the first
+// point hit.
+std::map<std::uint32_t, int> apexes(const Points& p, std::uint32_t u, std::uint32_t v, std::uint32_t first,
+                                    const std::set<std::uint32_t>& side, int k) {
+  std::map<std::uint32_t, int> out;
+  for (const std::uint32_t w : side) {
+    if (w == first) continue;
+    const auto [a, b] = area(p[u], p[v], p[w]) > 0 ? std::pair{u, v} : std::pair{v, u};
+    int order = 0;
+    bool empty = true;
+    for (std::uint32_t i = 0; i < p.size(); ++i) {
+      if (i == u || i == v || i == w) continue;
+      order += inside(p[a], p[b], p[w], p[i]);
+      empty = empty && !(area(p[a], p[b], p[i]) >= 0 && area(p[b], p[w], p[i]) >= 0 && area(p[w], p[a], p[i]) >= 0);
+    }
+    if (!empty || order > k) continue;
+    const auto is_useful = [&](std::uint32_t from, std::uint32_t to) {
+      const auto leg = p[from] < p[to] ? lemma_2_1(p, from, to) : lemma_2_1(p, to, from);
+      if (leg) return leg->order() <= k;
+      return std::none_of(p.begin(), p.end(), [&](LatticePoint q) {  // an edge of the hull
+        return q != p[from] && q != p[to] && oracle::on_segment(p[from], p[to], q);
+      });
+    };
+    if (!is_useful(u, w) || !is_useful(v, w)) continue;
+    out[w] = order;
   }
   return out;
 }
@@ -85,7 +125,7 @@ Edges ids_of(const UsefulEdges& edges) {
 // Compares all edges with an end in `ends`, for k = 1..8.
 void compare(const Points& points, const std::vector<std::uint32_t>& ends) {
   constexpr int kMost = 8;
-  Edges literal;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Lemma> literal;
   for (const std::uint32_t end : ends)
     for (std::uint32_t other = 0; other < points.size(); ++other) {
       if (other == end) continue;
@@ -93,7 +133,7 @@ void compare(const Points& points, const std::vector<std::uint32_t>& ends) {
       const auto lemma = lemma_2_1(points, u, v);
       // An empty circle through u and v: a Delaunay edge.
       if (!lemma || lemma->right.empty() || lemma->left.empty() || lemma->order() > kMost) continue;
-      literal[{u, v}] = {lemma->order(), lemma->right, lemma->left};
+      literal[{u, v}] = *lemma;
     }
   const Triangulation owner = delaunay(points);
   const TriangulationView tri = owner.view();
@@ -101,8 +141,18 @@ void compare(const Points& points, const std::vector<std::uint32_t>& ends) {
   const VertexLinks links = vertex_links(tri);
   const std::set<std::uint32_t> wanted(ends.begin(), ends.end());
   for (int k = 1; k <= kMost; ++k) {
-    Edges expected = literal, found = ids_of(useful_edges(tri, links, k));
-    std::erase_if(expected, [&](const auto& edge) { return edge.second.order > k; });
+    Edges expected, found = ids_of(tri, useful_edges(tri, links, k));
+    for (const auto& [edge, lemma] : literal) {
+      if (lemma.order() > k) continue;
+      const auto [u, v] = edge;
+      expected[edge] = {lemma.order(),
+                        lemma.right.size(),
+                        lemma.left.size(),
+                        lemma.s1,
+                        lemma.s2,
+                        apexes(points, u, v, lemma.s2, lemma.right, k),
+                        apexes(points, u, v, lemma.s1, lemma.left, k)};
+    }
     std::erase_if(found, [&](const auto& edge) {
       return !wanted.contains(edge.first.first) && !wanted.contains(edge.first.second);
     });
@@ -196,28 +246,40 @@ TEST(Lemma21, EqualsUsefulEdgesAtAHub) {
   }
 }
 
-// Parts of any size give the same edges in the same order.
+// Parts of any size, and of vertices in any order, give the same edges.
 TEST(UsefulEdges, AreTheSameForEveryWayOfCutting) {
   const auto points = testing::distinct(testing::make_cloud(testing::CloudKind::scanlines, 3, 700, 40));
   const Triangulation owner = delaunay(points);
   const TriangulationView tri = owner.view();
   const VertexLinks links = vertex_links(tri);
   const UsefulEdges whole = useful_edges(tri, links, 3);
+  std::vector<std::uint32_t> mixed(tri.num_vertices());
+  std::iota(mixed.begin(), mixed.end(), 0U);
   for (const std::uint32_t range : {1U, 7U, 100U, 699U, 5000U}) {
     PencilGrowth growth(tri, links, 3, kWholePlane);
     std::vector<DecidingCircle> beyond;
-    std::vector<UsefulEdges> parts;
-    for (std::uint32_t begin = 0; begin < tri.num_vertices(); begin += range)
-      parts.push_back(
-          growth.grow_range(VertexId{begin}, VertexId{std::min(begin + range, tri.num_vertices())}, beyond));
-    const UsefulEdges edges = concatenate(std::move(parts));
-    EXPECT_EQ(edges.a, whole.a);
+    std::vector<GrownEdges> parts;
+    for (std::uint32_t begin = 0; begin < mixed.size(); begin += range) {
+      // Every vertex is grown twice, and kept once.
+      GrownEdges& part = parts.emplace_back();
+      std::vector<std::uint8_t> wanted;
+      for (std::uint32_t i = begin; i < std::min<std::size_t>(begin + range, mixed.size()); ++i)
+        for (int time = 0; time < 2; ++time) {
+          growth.grow(VertexId{mixed[i]}, part, beyond);
+          wanted.push_back(time == static_cast<int>(i % 2));
+        }
+      part.keep(wanted);
+    }
+    const UsefulEdges edges = assemble(tri, links, std::move(parts));
+    EXPECT_EQ(edges.begin, whole.begin);
     EXPECT_EQ(edges.b, whole.b);
-    EXPECT_EQ(edges.useful_order, whole.useful_order);
+    EXPECT_EQ(edges.left, whole.left);
+    EXPECT_EQ(edges.right, whole.right);
+    EXPECT_EQ(edges.num_left, whole.num_left);
     EXPECT_EQ(edges.num_right, whole.num_right);
     EXPECT_EQ(edges.entry, whole.entry);
-    EXPECT_EQ(edges.content_begin, whole.content_begin);
-    EXPECT_EQ(edges.content, whole.content);
+    EXPECT_EQ(edges.apex, whole.apex);
+    testing::shuffle(range, mixed);
   }
 }
 

@@ -18,7 +18,7 @@ struct OrderKScene {
     edges = useful_edges(tri(), links, k);
     crossings = find_crossings(tri(), edges);
     subdivision = subdivide(tri(), crossings.crossed);
-    triangles = order_k_triangles(tri(), links, edges, k);
+    triangles = order_k_triangles(tri(), edges);
     candidates = candidates_by_polygon(subdivision, triangles);
     if (!height.empty()) assignment = assign_minima(tri(), links, edges, crossings, height);
   }

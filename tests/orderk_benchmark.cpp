@@ -149,43 +149,33 @@ struct Report {
   std::uint32_t edges = 0, triangles = 0, polygons = 0, solved = 0;
 };
 
-// Deals the ranges of [0, size) to some threads: `make_worker()` is called in each of them and its result with ranges.
-template <class MakeWorker>
-void for_ranges(std::uint32_t size, std::uint32_t range, int num_workers, MakeWorker make_worker) {
-  std::atomic<std::uint32_t> next{0};
-  const auto work = [&] {
-    auto worker = make_worker();
-    for (std::uint32_t i; (i = next++) * std::uint64_t{range} < size;)
-      worker(i * range, static_cast<std::uint32_t>(std::min<std::uint64_t>(size, (i + std::uint64_t{1}) * range)));
-  };
-  std::vector<std::thread> others;
-  for (int i = 1; i < num_workers; ++i) others.emplace_back(work);
-  work();
-  for (std::thread& other : others) other.join();
-}
-
-UsefulEdges all_edges(const TriangulationView& tri, const VertexLinks& links, int k, int num_workers) {
-  std::vector<UsefulEdges> parts((tri.num_vertices() + kGrowthRange - 1) / kGrowthRange);
-  for_ranges(tri.num_vertices(), kGrowthRange, num_workers, [&] {
-    return [&, growth = std::make_unique<PencilGrowth>(tri, links, k, kWholePlane)](std::uint32_t begin,
-                                                                                    std::uint32_t end) {
-      std::vector<DecidingCircle> beyond;
-      parts[begin / kGrowthRange] = growth->grow_range(VertexId{begin}, VertexId{end}, beyond);
+// Some threads that take parts as they come.
+Executor on_threads(int num_workers) {
+  return [num_workers](std::uint32_t count, const std::function<void(std::uint32_t)>& work) {
+    std::atomic<std::uint32_t> following{0};
+    const auto share = [&] {
+      for (std::uint32_t i; (i = following++) < count;) work(i);
     };
-  });
-  return concatenate(std::move(parts));
+    std::vector<std::thread> others;
+    for (int i = 1; i < num_workers; ++i) others.emplace_back(share);
+    share();
+    for (std::thread& other : others) other.join();
+  };
 }
-
-constexpr std::uint32_t kEdgeRange = 1U << 14;
 
 // Polygons with components go apart: what they cost depends on how few or many there are.
-void solve_all(const PolygonSource& source, std::span<const std::uint8_t> to_solve, const OrderKTriangleFinder& finder,
-               const EdgesByPolygon& edges, int num_workers, std::span<std::array<VertexId, 3>> answer) {
-  for_ranges(source.subdivision.size(), 1024, num_workers, [&] {
-    return [&, extractor = std::make_unique<PolygonExtractor>(source),
-            solver = std::make_unique<PolygonSolver>(PolygonOptions{})](std::uint32_t begin, std::uint32_t end) {
-      solve_polygons(source, to_solve, finder, edges, begin, end, *extractor, *solver, answer);
-    };
+void solve_all(const PolygonSource& source, std::span<const std::uint8_t> to_solve, const UsefulEdges& edges,
+               const EdgesByPolygon& edges_of, const Executor& executor, std::span<std::array<VertexId, 3>> answer) {
+  struct Tools {
+    PolygonExtractor extractor;
+    PolygonSolver solver;
+  };
+  Pool<Tools> pool([&] {
+    return std::make_unique<Tools>(Tools{PolygonExtractor(source), PolygonSolver(PolygonOptions{})});
+  });
+  for_ranges(executor, source.subdivision.size(), 512, [&](std::uint32_t begin, std::uint32_t end) {
+    const auto tools = pool.lend();
+    solve_polygons(source, to_solve, edges, edges_of, begin, end, tools->extractor, tools->solver, answer);
   });
 }
 
@@ -196,33 +186,19 @@ Report run(const TriangulationView& tri, const VertexLinks& links, std::span<con
   bytes_at_peak = before;
   Laps laps;
   const auto done = [&](const char* stage) { report.stages.emplace_back(stage, laps.lap()); };
-  const UsefulEdges edges = all_edges(tri, links, k, num_workers);
+  const Executor executor = on_threads(num_workers);
+  const UsefulEdges edges = useful_edges(tri, links, k, executor);
   done("edges");
-  Crossings crossings = no_crossings(tri, edges);
-  for_ranges(edges.size(), kEdgeRange, num_workers, [&] {
-    return [&](std::uint32_t begin, std::uint32_t end) { add_crossings(tri, edges, begin, end, crossings); };
-  });
+  Crossings crossings = find_crossings(tri, edges, executor);
   done("crossings");
-  const Subdivision subdivision = subdivide(tri, crossings.crossed);
+  const Subdivision subdivision = subdivide(tri, crossings.crossed, executor);
   done("subdivide");
-  const MinimaAssignment assignment = [&] {
-    MinimaAssigner assigner(tri, links, edges, crossings, height);
-    for_ranges(tri.num_vertices(), kGrowthRange, num_workers, [&] {
-      return [&](std::uint32_t begin, std::uint32_t end) { assigner.look_at_delaunay(VertexId{begin}, VertexId{end}); };
-    });
-    return assigner.finish();
-  }();
+  const MinimaAssignment assignment = assign_minima(tri, links, edges, crossings, height, executor);
   std::vector<HalfedgeId>().swap(crossings.exit);
   done("minima");
-  auto to_solve = [&] {
-    PolygonChooser chooser(tri, links, height, crossings, subdivision, Objective::local_minima, &assignment);
-    for_ranges(tri.num_vertices(), kGrowthRange, num_workers, [&] {
-      return [&](std::uint32_t begin, std::uint32_t end) { chooser.look_at(VertexId{begin}, VertexId{end}); };
-    });
-    return chooser.finish();
-  }();
+  auto to_solve =
+      polygons_to_solve(tri, links, height, crossings, subdivision, Objective::local_minima, &assignment, executor);
   done("choose");
-  const OrderKTriangleFinder finder(tri, links, edges, k);
   const EdgesByPolygon polygon_edges = edges_by_polygon(subdivision, edges, to_solve);
   done("edge lists");
   const OrderKTriangles no_triangles;
@@ -232,19 +208,19 @@ Report run(const TriangulationView& tri, const VertexLinks& links, std::span<con
   std::vector<std::uint8_t> hard(subdivision.size());
   for (std::uint32_t f = 0; f < subdivision.size(); ++f)
     if (to_solve[f] && subdivision.components[f] > 0) std::swap(hard[f], to_solve[f]);
-  solve_all(source, to_solve, finder, polygon_edges, num_workers, answer);
+  solve_all(source, to_solve, edges, polygon_edges, executor, answer);
   done("polygons");
   PolygonExtractor extractor(source);
   PolygonSolver solver({});
   for (std::uint32_t f = 0; f < subdivision.size(); ++f)
-    if (hard[f]) solve_polygons(source, hard, finder, polygon_edges, f, f + 1, extractor, solver, answer);
+    if (hard[f]) solve_polygons(source, hard, edges, polygon_edges, f, f + 1, extractor, solver, answer);
   done("components");
   report.solved = static_cast<std::uint32_t>(std::count(to_solve.begin(), to_solve.end(), 1) +
                                              std::count(hard.begin(), hard.end(), 1));
   report.bytes = static_cast<double>(bytes_at_peak - before);
   report.edges = edges.size();
   report.polygons = subdivision.size();
-  report.triangles = order_k_triangles(tri, links, edges, k).size();
+  report.triangles = order_k_triangles(tri, edges).size();
   done("(all triangles)");
   return report;
 }

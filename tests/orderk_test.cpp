@@ -36,7 +36,7 @@ Analysis analyse(const oracle::Points& points, int k) {
   const TriangulationView tri = owner.view();
   const VertexLinks links = vertex_links(tri);
   const UsefulEdges edges = useful_edges(tri, links, k);
-  const OrderKTriangles triangles = order_k_triangles(tri, links, edges, k);
+  const OrderKTriangles triangles = order_k_triangles(tri, edges);
   const auto crossed = find_crossings(tri, edges).crossed;
   const Subdivision subdivision = subdivide(tri, crossed);
   Analysis out;
@@ -48,8 +48,10 @@ Analysis analyse(const oracle::Points& points, int k) {
                                      static_cast<int>(tri.apex(h).value))] = 0;
   }
   for (std::uint32_t e = 0; e < edges.size(); ++e) {
-    EXPECT_LT(points[edges.a[e].value], points[edges.b[e].value]);
-    EXPECT_TRUE(out.useful.insert({edge(edges.a[e], edges.b[e]), edges.useful_order[e]}).second);
+    const VertexId a = edges.a(tri, e);
+    EXPECT_LT(points[a.value], points[edges.b[e].value]);
+    EXPECT_EQ(edges.find(a, edges.b[e]), e);
+    EXPECT_TRUE(out.useful.insert({edge(a, edges.b[e]), edges.useful_order(e)}).second);
   }
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const auto& v = triangles.vertices[t];

@@ -78,7 +78,7 @@ TEST(Orders, UsefulEdgesHaveTheOrdersOfSingleEdges) {
     const TriangulationView tri = owner.view();
     const UsefulEdges edges = useful_edges(tri, vertex_links(tri), 5);
     for (std::uint32_t e = 0; e < edges.size(); ++e)
-      ASSERT_EQ(useful_edge_order(owner.position, edges.a[e].value, edges.b[e].value), edges.useful_order[e]);
+      ASSERT_EQ(useful_edge_order(owner.position, edges.a(tri, e).value, edges.b[e].value), edges.useful_order(e));
     for (HalfedgeId h{0}; h.value < tri.origin.size(); ++h.value) {
       ASSERT_EQ(edge_order(owner.position, tri.origin[h].value, tri.target(h).value), 0U);
       ASSERT_EQ(useful_edge_order(owner.position, tri.origin[h].value, tri.target(h).value), 0U);

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <set>
+#include <thread>
 #include <vector>
 
 #include "clouds.h"
@@ -59,8 +61,18 @@ Answer solve(const Scene& s, Objective objective, const std::vector<std::uint8_t
   return out;
 }
 
+// Those of some polygons only.
+OrderKTriangles triangles_of(const Scene& s, const std::vector<std::uint8_t>& wanted) {
+  const OrderKTriangleFinder finder(s.tri(), s.edges);
+  const EdgesByPolygon edges = edges_by_polygon(s.subdivision, s.edges, wanted);
+  OrderKTriangles out;
+  for (std::uint32_t f = 0; f < wanted.size(); ++f)
+    edges.for_each(f, s.subdivision, s.edges, [&](std::uint32_t e) { finder.visit(e, out); });
+  return out;
+}
+
 // The same with triangles made one polygon at a time.
-Answer solve_by_edges(const Scene& s, Objective objective, const std::vector<std::uint8_t>& to_solve, int k) {
+Answer solve_by_edges(const Scene& s, Objective objective, const std::vector<std::uint8_t>& to_solve) {
   const OrderKTriangles no_triangles;
   const PolygonCandidates no_candidates;
   const PolygonSource source{s.tri(),
@@ -74,9 +86,8 @@ Answer solve_by_edges(const Scene& s, Objective objective, const std::vector<std
   PolygonSolver solver({.objectives = {objective}});
   Answer out;
   out.triangles.resize(s.tri().num_triangles());
-  out.max_order = solve_polygons(source, to_solve, OrderKTriangleFinder(s.tri(), s.links, s.edges, k),
-                                 edges_by_polygon(s.subdivision, s.edges, to_solve), 0, s.subdivision.size(), extractor,
-                                 solver, out.triangles)
+  out.max_order = solve_polygons(source, to_solve, s.edges, edges_by_polygon(s.subdivision, s.edges, to_solve), 0,
+                                 s.subdivision.size(), extractor, solver, out.triangles)
                       .max_order;
   return out;
 }
@@ -99,21 +110,20 @@ TEST(PolygonBatch, LeavingPolygonsOutChangesNothing) {
       for (const int k : {1, 2, 3, 4, 5}) {
         SCOPED_TRACE(::testing::Message() << "seed " << seed << " k " << k);
         const Scene s(points, k, testing::random_heights(seed, points.size(), seed % 3 ? 1000 : 4));
-        const OrderKTriangles all = order_k_triangles(s.tri(), s.links, s.edges, k);
+        const OrderKTriangles all = order_k_triangles(s.tri(), s.edges);
         for (const auto objective : {Objective::delaunay, Objective::min_weight, Objective::local_minima}) {
           const auto to_solve =
               polygons_to_solve(s.tri(), s.links, s.height, s.crossings, s.subdivision, objective, &s.assignment);
           const std::vector<std::uint8_t> every(s.subdivision.size(), 1);
           const Answer expected = solve(s, objective, every, all, s.subdivision.size());
-          const OrderKTriangles wanted =
-              OrderKTriangleFinder(s.tri(), s.links, s.edges, k).find(0, s.edges.size(), s.subdivision, to_solve);
+          const OrderKTriangles wanted = triangles_of(s, to_solve);
           for (const std::uint32_t range : {1U, 7U, 1000U}) {
             const Answer found = solve(s, objective, to_solve, wanted, range);
             EXPECT_EQ(found.ids(), expected.ids());
             EXPECT_EQ(found.ids().size(), s.tri().num_triangles());
             EXPECT_EQ(found.max_order, expected.max_order);
           }
-          const Answer by_edges = solve_by_edges(s, objective, to_solve, k);
+          const Answer by_edges = solve_by_edges(s, objective, to_solve);
           EXPECT_EQ(by_edges.ids(), expected.ids());
           EXPECT_EQ(by_edges.max_order, expected.max_order);
           if (objective == Objective::local_minima) {
@@ -131,7 +141,7 @@ TEST(PolygonBatch, LeavingPolygonsOutChangesNothing) {
 TEST(PolygonBatch, TakesTrianglesWithCornersElsewhere) {
   const auto points = testing::distinct(testing::make_cloud(testing::CloudKind::uniform, 1, 400, 300));
   const Scene s(points, 3, testing::random_heights(1, points.size(), 1000));
-  const OrderKTriangles all = order_k_triangles(s.tri(), s.links, s.edges, 3);
+  const OrderKTriangles all = order_k_triangles(s.tri(), s.edges);
   PolygonCandidates candidates;
   candidates.begin.assign(s.subdivision.size() + 1, all.size());
   candidates.begin[0] = 0;
@@ -156,8 +166,7 @@ TEST(PolygonBatch, EqualsTheTriangulationOfThePointSet) {
       const Scene s(points, 3, testing::random_heights(seed, points.size(), 50));
       const auto to_solve = polygons_to_solve(s.tri(), s.links, s.height, s.crossings, s.subdivision,
                                               Objective::local_minima, &s.assignment);
-      const Answer found =
-          solve(s, Objective::local_minima, to_solve, order_k_triangles(s.tri(), s.links, s.edges, 3), 10);
+      const Answer found = solve(s, Objective::local_minima, to_solve, order_k_triangles(s.tri(), s.edges), 10);
       Triangles expected;
       for (const auto& t : triangulate(points, s.height, 3, Objective::local_minima).triangles)
         expected.insert(sorted(t));
@@ -165,28 +174,68 @@ TEST(PolygonBatch, EqualsTheTriangulationOfThePointSet) {
     }
 }
 
-TEST(OrderKTriangles, OfRangesAndPolygonsAreThoseOfTheWhole) {
+TEST(OrderKTriangles, OfPolygonsAreThoseOfTheWhole) {
   for (std::uint64_t seed = 0; seed < 10; ++seed)
     for (const auto& points : clouds(seed)) {
       SCOPED_TRACE(seed);
       const Scene s(points, 4, std::vector<std::int32_t>(points.size()));
-      const OrderKTriangleFinder finder(s.tri(), s.links, s.edges, 4);
-      const OrderKTriangles whole = order_k_triangles(s.tri(), s.links, s.edges, 4);
-      std::vector<OrderKTriangles> parts;
-      for (std::uint32_t e = 0; e < s.edges.size(); e += 13)
-        parts.push_back(finder.find(e, std::min(e + 13, s.edges.size())));
-      const OrderKTriangles together = concatenate(std::move(parts));
-      EXPECT_EQ(together.vertices, whole.vertices);
-      EXPECT_EQ(together.order, whole.order);
-      EXPECT_EQ(together.entry, whole.entry);
+      const OrderKTriangles whole = order_k_triangles(s.tri(), s.edges);
       std::vector<std::uint8_t> odd(s.subdivision.size());
       for (std::size_t f = 1; f < odd.size(); f += 2) odd[f] = 1;
-      const OrderKTriangles some = finder.find(0, s.edges.size(), s.subdivision, odd);
-      std::vector<std::array<VertexId, 3>> expected;
+      std::set<std::array<VertexId, 3>> expected;
       for (std::uint32_t c = 0; c < whole.size(); ++c)
-        if (odd[s.subdivision.polygon[triangle_of(whole.entry[c]).value]]) expected.push_back(whole.vertices[c]);
-      EXPECT_EQ(some.vertices, expected);
+        if (odd[s.subdivision.polygon[triangle_of(whole.entry[c]).value]]) expected.insert(whole.vertices[c]);
+      const OrderKTriangles some = triangles_of(s, odd);
+      EXPECT_EQ(std::set(some.vertices.begin(), some.vertices.end()), expected);
+      EXPECT_EQ(some.size(), expected.size());
     }
+}
+
+// Parts carried out in another order, and by several threads, give the same.
+TEST(OrderK, IsTheSameForEveryExecutor) {
+  const auto points = testing::distinct(testing::make_cloud(testing::CloudKind::scanlines, 5, 60'000, 60));
+  const Scene s(points, 3, testing::random_heights(5, points.size(), 50));
+  const Executor backwards = [](std::uint32_t count, const std::function<void(std::uint32_t)>& work) {
+    for (std::uint32_t i = count; i-- > 0;) work(i);
+  };
+  const Executor threads = [](std::uint32_t count, const std::function<void(std::uint32_t)>& work) {
+    std::atomic<std::uint32_t> following{0};
+    const auto share = [&] {
+      for (std::uint32_t i; (i = following++) < count;) work(i);
+    };
+    std::thread other(share);
+    share();
+    other.join();
+  };
+  for (const Executor& executor : {backwards, threads}) {
+    const UsefulEdges edges = useful_edges(s.tri(), s.links, 3, executor);
+    EXPECT_EQ(edges.begin, s.edges.begin);
+    EXPECT_EQ(edges.b, s.edges.b);
+    EXPECT_EQ(edges.left, s.edges.left);
+    EXPECT_EQ(edges.right, s.edges.right);
+    EXPECT_EQ(edges.num_left, s.edges.num_left);
+    EXPECT_EQ(edges.num_right, s.edges.num_right);
+    EXPECT_EQ(edges.entry, s.edges.entry);
+    EXPECT_EQ(edges.apex, s.edges.apex);
+    const Crossings crossings = find_crossings(s.tri(), edges, executor);
+    EXPECT_EQ(crossings.crossed, s.crossings.crossed);
+    EXPECT_EQ(crossings.exit, s.crossings.exit);
+    const Subdivision subdivision = subdivide(s.tri(), crossings.crossed, executor);
+    EXPECT_EQ(subdivision.polygon, s.subdivision.polygon);
+    EXPECT_EQ(subdivision.triangle, s.subdivision.triangle);
+    EXPECT_EQ(subdivision.components, s.subdivision.components);
+    const OrderKTriangles triangles = order_k_triangles(s.tri(), edges, executor);
+    EXPECT_EQ(triangles.vertices, s.triangles.vertices);
+    EXPECT_EQ(triangles.order, s.triangles.order);
+    const MinimaAssignment assignment = assign_minima(s.tri(), s.links, edges, crossings, s.height, executor);
+    EXPECT_EQ(assignment.fate, s.assignment.fate);
+    EXPECT_EQ(assignment.where, s.assignment.where);
+    const auto choose = [&](const Executor& how) {
+      return polygons_to_solve(s.tri(), s.links, s.height, crossings, subdivision, Objective::local_minima, &assignment,
+                               how);
+    };
+    EXPECT_EQ(choose(executor), choose(serially));
+  }
 }
 
 }  // namespace

@@ -237,7 +237,7 @@ TEST(TilingParts, EveryTilingGivesTheTerrainOfTheWhole) {
 TEST(TilingParts, SameBytesWhateverTheOrderOfTrianglesInTheFiles) {
   const WholeTerrain whole = testing::make_terrain(testing::random_points(4, 3000, 600), 4, 50);
   const testing::TemporaryFolder folder;
-  const CutTerrain cut = testing::cut_terrain(whole, options_in(folder), kLattice, 4, 2);
+  const CutTerrain cut = testing::cut_terrain(whole, options_in(folder), kLattice, 9, 2);
   testing::run_parts(cut.context);
   const std::string before = testing::read_text(cut.context.layout.terrain(0));
   // All triangles of tile 0 in its seam file, in reverse.
@@ -274,9 +274,9 @@ TEST(TilingParts, RastersBeyondTheBudgetAreRefused) {
 
 // Each fault in a part's input must be told apart from a terrain.
 TEST(TilingParts, DamagedInputsAreNamed) {
-  const WholeTerrain whole = testing::make_terrain(testing::random_points(7, 200, 120), 7, 50);
+  const WholeTerrain whole = testing::make_terrain(testing::random_points(9, 200, 120), 9, 50);
   const testing::TemporaryFolder folder;
-  const CutTerrain cut = testing::cut_terrain(whole, options_in(folder), kLattice, 7, 2);
+  const CutTerrain cut = testing::cut_terrain(whole, options_in(folder), kLattice, 9, 2);
   ASSERT_GT(cut.owned.size(), 1U);
   ASSERT_NO_THROW(static_cast<void>(load_part(cut.context, 0)));
   const std::string path = cut.context.layout.unit(Phase::triangulate, 0);

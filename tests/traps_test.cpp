@@ -22,7 +22,7 @@ using Scene = testing::OrderKScene;
 // The sides of the cavity that a useful edge leaves, as vertices: a vertex may stand there twice.
 std::vector<std::uint32_t> cavity_vertices(const Scene& scene, std::uint32_t e) {
   const TriangulationView tri = scene.tri();
-  const LatticePoint a = tri.position[scene.edges.a[e]], b = tri.position[scene.edges.b[e]];
+  const LatticePoint a = tri.position[scene.edges.a(scene.tri(), e)], b = tri.position[scene.edges.b[e]];
   std::vector<std::uint32_t> out;
   HalfedgeId h = scene.edges.entry[e];
   out.push_back(tri.origin[h].value);
@@ -47,8 +47,8 @@ TEST(Traps, CavityOfAUsefulEdgeMayBeOnlyWeaklySimple) {
       auto vertices = cavity_vertices(scene, e);
       std::sort(vertices.begin(), vertices.end());
       twice += std::adjacent_find(vertices.begin(), vertices.end()) != vertices.end();
-      const int a = static_cast<int>(scene.edges.a[e].value), b = static_cast<int>(scene.edges.b[e].value);
-      EXPECT_EQ(expected.at(oracle::edge(a, b)), scene.edges.useful_order[e]);
+      const int a = static_cast<int>(scene.edges.a(scene.tri(), e).value), b = static_cast<int>(scene.edges.b[e].value);
+      EXPECT_EQ(expected.at(oracle::edge(a, b)), scene.edges.useful_order(e));
     }
     std::size_t beyond_delaunay = 0;
     for (const auto& [edge, order] : expected) beyond_delaunay += order > 0;
@@ -66,13 +66,14 @@ TEST(Traps, PointsOnTheSegmentEndAnEdgeButNotTheSearch) {
   EXPECT_GE(beyond_delaunay, 50U);
   EXPECT_EQ(beyond_delaunay, small.edges.size());
   for (std::uint32_t e = 0; e < small.edges.size(); ++e) {
-    const int a = static_cast<int>(small.edges.a[e].value), b = static_cast<int>(small.edges.b[e].value);
-    EXPECT_EQ(expected.at(oracle::edge(a, b)), small.edges.useful_order[e]);
+    const int a = static_cast<int>(small.edges.a(small.tri(), e).value), b = static_cast<int>(small.edges.b[e].value);
+    EXPECT_EQ(expected.at(oracle::edge(a, b)), small.edges.useful_order(e));
   }
   const Scene scene(testing::distinct(testing::lattice_points(1, 400, 10)), 5);
   int oblique = 0;
   for (std::uint32_t e = 0; e < scene.edges.size(); ++e) {
-    const LatticePoint a = scene.tri().position[scene.edges.a[e]], b = scene.tri().position[scene.edges.b[e]];
+    const LatticePoint a = scene.tri().position[scene.edges.a(scene.tri(), e)],
+                       b = scene.tri().position[scene.edges.b[e]];
     for (const LatticePoint p : scene.points) ASSERT_FALSE(oracle::on_segment(a, b, p));
     oblique += std::abs(a.x - b.x) > 10 || std::abs(a.y - b.y) > 10;
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
+#include <span>
 
 namespace hydrotin {
 namespace {
@@ -92,42 +94,67 @@ std::vector<std::uint8_t> certain_vertices(const TriangulationView& tri, std::ve
   return required;
 }
 
-// Grows the useful edges of all required vertices that are not decided yet, as far as they are certain.
+// What was grown of some vertices, and the circles that this rests on beyond the window.
+struct Growth {
+  GrownEdges grown;
+  std::vector<std::uint32_t> beyond_end;  // of each vertex
+  std::vector<DecidingCircle> beyond;
+};
+
+Growth grow(PencilGrowth& growth, std::span<const VertexId> vertices) {
+  Growth out;
+  for (const VertexId u : vertices) {
+    growth.grow(u, out.grown, out.beyond);
+    out.beyond_end.push_back(static_cast<std::uint32_t>(out.beyond.size()));
+  }
+  return out;
+}
+
+// Grows the useful edges of all certain vertices that are not decided yet; those that rest on what is not covered stay
+// undecided.
 void grow_edges(const CertifiedTile& tile, const std::vector<std::uint8_t>& certain, int k, const LatticeBox& window,
-                Evidence& evidence, std::vector<std::uint8_t>& decided, UsefulEdges& edges) {
+                Evidence& evidence, std::vector<std::uint8_t>& decided, std::vector<GrownEdges>& grown,
+                const Executor& executor) {
   const TriangulationView tri = tile.triangulation.view();
   decided.resize(tri.num_vertices());
   if (k == 0) return;
-  PencilGrowth growth(tri, tile.links, k, window);
-  std::vector<DecidingCircle> beyond;
-  for (VertexId u{0}; u.value < tri.num_vertices(); ++u.value) {
-    if (!certain[u.value] || decided[u.value]) continue;
-    const std::uint32_t before = edges.size();
-    beyond.clear();
-    growth.grow(u, edges, beyond);
-    bool covered = true;
-    for (const DecidingCircle& circle : beyond) covered = evidence.covers(tri, circle) && covered;
-    if (covered)
-      decided[u.value] = 1;
-    else
-      edges.truncate(before);
+  std::vector<VertexId> open;
+  for (VertexId u{0}; u.value < tri.num_vertices(); ++u.value)
+    if (certain[u.value] && !decided[u.value]) open.push_back(u);
+  std::vector<Growth> parts((open.size() + kGrowthRange - 1) / kGrowthRange);
+  Pool<PencilGrowth> growths([&] { return std::make_unique<PencilGrowth>(tri, tile.links, k, window); });
+  for_ranges(executor, static_cast<std::uint32_t>(open.size()), kGrowthRange,
+             [&](std::uint32_t begin, std::uint32_t end) {
+               parts[begin / kGrowthRange] = grow(*growths.lend(), std::span(open).subspan(begin, end - begin));
+             });
+  for (Growth& part : parts) {
+    std::vector<std::uint8_t> is_covered(part.grown.vertex.size(), 1);
+    std::uint32_t circle = 0;
+    for (std::size_t i = 0; i < is_covered.size(); ++i) {
+      for (; circle < part.beyond_end[i]; ++circle)
+        if (!evidence.covers(tri, part.beyond[circle])) is_covered[i] = 0;
+      if (is_covered[i]) decided[part.grown.vertex[i].value] = 1;
+    }
+    part.grown.keep(is_covered);
+    grown.push_back(std::move(part.grown));
   }
 }
 
 // One look at a triangulation of `num_own` own points and others: asks for the points that are missing.
 void examine(CertifiedTile& tile, DelaunayBuilder& builder, std::uint32_t num_own, int k, const LatticeBox& hole,
-             Neighborhood& around, std::vector<std::uint8_t>& decided) {
+             Neighborhood& around, std::vector<std::uint8_t>& decided, std::vector<GrownEdges>& grown,
+             const Executor& executor) {
   tile.triangulation = builder.extract();
   const TriangulationView tri = tile.triangulation.view();
   tile.owned = owned_triangles(tri, num_own);
   tile.links = vertex_links(tri);
   Evidence evidence(around, hole);
   const auto certain = certain_vertices(tri, required_vertices(tri, tile.owned, num_own, k), evidence);
-  grow_edges(tile, certain, k, around.window(), evidence, decided, tile.edges);
+  grow_edges(tile, certain, k, around.window(), evidence, decided, grown, executor);
 }
 
 // Finds most of the points that will be missed from a ring along the border alone, at a fraction of the price.
-void scout(Neighborhood& around, int k) {
+void scout(Neighborhood& around, int k, const Executor& executor) {
   constexpr std::uint32_t kWorthwhile = 50'000;
   constexpr std::int64_t kRingSpacings = 24;
   if (around.num_own() < kWorthwhile) return;
@@ -154,26 +181,29 @@ void scout(Neighborhood& around, int k) {
     inserted = around.position().size();
     CertifiedTile look;
     std::vector<std::uint8_t> decided;
-    examine(look, builder, num_ring, k, hole, around, decided);
+    std::vector<GrownEdges> grown;
+    examine(look, builder, num_ring, k, hole, around, decided, grown, executor);
   } while (around.fetch());
 }
 
 }  // namespace
 
-CertifiedTile certify(Neighborhood& around, int k) {
+CertifiedTile certify(Neighborhood& around, int k, const Executor& executor) {
   CertifiedTile out;
   if (around.num_own() == 0) return out;
-  scout(around, k);
+  scout(around, k, executor);
   DelaunayBuilder builder;
   std::size_t inserted = 0;
   std::vector<std::uint8_t> decided;
+  std::vector<GrownEdges> grown;
   do {
     ++out.rounds;
     builder.insert(std::span(around.position()).subspan(inserted));
     inserted = around.position().size();
-    examine(out, builder, around.num_own(), k, LatticeBox{}, around, decided);
+    examine(out, builder, around.num_own(), k, LatticeBox{}, around, decided, grown, executor);
     // Every doubt has asked for points; without new ones nothing is in doubt.
   } while (around.fetch());
+  out.edges = assemble(out.triangulation.view(), out.links, std::move(grown), executor);
   if (out.rounds > 1) locate_entries(out.triangulation.view(), out.links, out.edges);
   return out;
 }

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "hydrotin/useful_edges.h"
+#include "hydrotin/pencil_growth.h"
 #include "neighborhood.h"
 
 /// Delaunay triangulation and useful edges around one tile, certified: what is said of owned triangles is true of the
@@ -24,6 +24,6 @@ struct CertifiedTile {
   std::uint32_t rounds = 0;
 };
 
-[[nodiscard]] CertifiedTile certify(Neighborhood& neighborhood, int k);
+[[nodiscard]] CertifiedTile certify(Neighborhood& neighborhood, int k, const Executor& executor);
 
 }  // namespace hydrotin

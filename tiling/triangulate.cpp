@@ -9,6 +9,7 @@
 #include "phases.h"
 #include "pieces.h"
 #include "polygon_figures.h"
+#include "tile_executor.h"
 #include "tile_reference.h"
 
 namespace hydrotin {
@@ -27,18 +28,18 @@ double initial_halo(const Outline& outline, std::uint32_t tile, int k) {
 // The tile's polygons, with everything that solving them needs.
 class TilePolygons {
  public:
-  TilePolygons(const CertifiedTile& tile, std::span<const std::int32_t> height, int k, const Objectives& objectives,
-               const TileReference* reference)
+  TilePolygons(const CertifiedTile& tile, std::span<const std::int32_t> height, const Objectives& objectives,
+               const TileReference* reference, const Executor& executor)
       : tile_(tile),
         tri_(tile.triangulation.view()),
-        crossings_(find_crossings(tri_, tile.edges)),
-        subdivision_(subdivide(tri_, joined_inside())),
-        triangles_(order_k_triangles(tri_, tile.links, tile.edges, k)) {
+        crossings_(find_crossings(tri_, tile.edges, executor)),
+        subdivision_(subdivide(tri_, joined_inside(), executor)),
+        triangles_(order_k_triangles(tri_, tile.edges, executor)) {
     find_borders();
     distribute();
     const bool by_minima = counts_minima(objectives);
-    if (by_minima) assignment_ = assign_minima(tri_, tile.links, tile.edges, crossings_, height);
-    choose(height, objectives, reference != nullptr);
+    if (by_minima) assignment_ = assign_minima(tri_, tile.links, tile.edges, crossings_, height, executor);
+    choose(height, objectives, reference != nullptr, executor);
     source_ = std::make_unique<PolygonSource>(PolygonSource{tri_, height, crossings_, subdivision_, triangles_,
                                                             candidates_, by_minima ? &assignment_ : nullptr,
                                                             reference ? &reference->location : nullptr});
@@ -73,14 +74,15 @@ class TilePolygons {
     return joined;
   }
 
-  void choose(std::span<const std::int32_t> height, const Objectives& objectives, bool has_reference) {
+  void choose(std::span<const std::int32_t> height, const Objectives& objectives, bool has_reference,
+              const Executor& executor) {
     if (has_reference) {  // errors are measured everywhere, and may exceed the limit in single triangles
       to_solve_.assign(subdivision_.size(), 1);
       return;
     }
     if (objectives.size() == 1) {
       to_solve_ = polygons_to_solve(tri_, tile_.links, height, crossings_, subdivision_, objectives.front(),
-                                    counts_minima(objectives) ? &assignment_ : nullptr);
+                                    counts_minima(objectives) ? &assignment_ : nullptr, executor);
       return;
     }
     // Delaunay triangles that serve all vertices may not be best for the objectives after the first.
@@ -97,7 +99,6 @@ class TilePolygons {
   // An order-k triangle belongs to the polygon that its edges enter. Pieces of one polygon may each be entered by
   // another edge, and every tile lists it where an edge enters an owned triangle: so some tile does.
   void distribute() {
-    const UsefulEdgeIndex index(tri_, tile_.links, tile_.edges);
     std::vector<std::pair<std::uint32_t, std::uint32_t>> entries;  // polygon, triangle
     for (std::uint32_t c = 0; c < triangles_.size(); ++c) {
       const std::uint32_t met = subdivision_.polygon[triangle_of(triangles_.entry[c]).value];
@@ -108,8 +109,8 @@ class TilePolygons {
       const auto& v = triangles_.vertices[c];
       const std::size_t first = entries.size();
       for (std::size_t i = 0; i < 3; ++i) {
-        const std::uint32_t e = index.find(v[i], v[(i + 1) % 3]);
-        if (e == UsefulEdgeIndex::kNone) continue;
+        const std::uint32_t e = find_edge(tri_, tile_.edges, v[i], v[(i + 1) % 3]);
+        if (e == UsefulEdges::kNone) continue;
         const TriangleId entered = triangle_of(tile_.edges.entry[e]);
         if (!tile_.owned[entered.value]) continue;
         const std::pair entry{subdivision_.polygon[entered.value], c};
@@ -142,27 +143,58 @@ struct Answers {
   std::vector<std::uint64_t> begin{0};  // first triangle of each
   std::vector<std::array<VertexId, 3>> triangle;
   ResultTable result;
-  std::vector<VertexId> unserved;      // vertices that their polygon left without a lower neighbour
-  std::vector<std::uint8_t> servable;  // [n] 1: with an admissible edge down inside a polygon, under a limit on errors
+  std::vector<VertexId> unserved;  // vertices that their polygon left without a lower neighbour
+  std::vector<VertexId> servable;  // with an admissible edge down inside a polygon, under a limit on errors
+
+  void append(const Answers& other) {
+    polygon.insert(polygon.end(), other.polygon.begin(), other.polygon.end());
+    const std::uint64_t base = begin.back();
+    for (std::size_t i = 1; i < other.begin.size(); ++i) begin.push_back(base + other.begin[i]);
+    triangle.insert(triangle.end(), other.triangle.begin(), other.triangle.end());
+    result.append(other.result);
+    unserved.insert(unserved.end(), other.unserved.begin(), other.unserved.end());
+    servable.insert(servable.end(), other.servable.begin(), other.servable.end());
+  }
 };
 
-Answers solve_complete(const TilePolygons& polygons, PolygonExtractor& extractor, const PolygonOptions& options) {
+// The polygons of a range that are to be solved as a whole.
+Answers solve_range(const TilePolygons& polygons, std::uint32_t begin, std::uint32_t end, PolygonExtractor& extractor,
+                    PolygonSolver& solver) {
   Answers out;
-  out.servable.resize(polygons.source().height.size());
-  PolygonSolver solver(options);
   std::vector<std::array<std::uint32_t, 3>> answer;
-  for (std::uint32_t f = 0; f < polygons.subdivision().size(); ++f) {
+  for (std::uint32_t f = begin; f < end; ++f) {
     if (!polygons.is_complete(f) || !polygons.is_to_solve(f)) continue;
     answer.clear();
     const PolygonResult result = solver.solve(extractor.extract(f), answer);
     const auto vertex = extractor.vertices();
     for (const auto& t : answer) out.triangle.push_back({vertex[t[0]], vertex[t[1]], vertex[t[2]]});
     for (const std::uint32_t v : solver.unserved()) out.unserved.push_back(vertex[v]);
-    for (const std::uint32_t v : solver.servable()) out.servable[vertex[v].value] = 1;
+    for (const std::uint32_t v : solver.servable()) out.servable.push_back(vertex[v]);
     out.polygon.push_back(f);
     out.begin.push_back(out.triangle.size());
     out.result.add(result);
   }
+  return out;
+}
+
+// All of them: ranges small enough that large polygons do not keep one worker busy alone.
+Answers solve_complete(const TilePolygons& polygons, const PolygonOptions& options, const Executor& executor) {
+  constexpr std::uint32_t kPolygonRange = 512;
+  struct Tools {
+    PolygonExtractor extractor;
+    PolygonSolver solver;
+  };
+  Pool<Tools> pool([&] {
+    return std::make_unique<Tools>(Tools{PolygonExtractor(polygons.source()), PolygonSolver(options)});
+  });
+  const std::uint32_t size = polygons.subdivision().size();
+  std::vector<Answers> parts((size + kPolygonRange - 1) / kPolygonRange);
+  for_ranges(executor, size, kPolygonRange, [&](std::uint32_t begin, std::uint32_t end) {
+    const auto tools = pool.lend();
+    parts[begin / kPolygonRange] = solve_range(polygons, begin, end, tools->extractor, tools->solver);
+  });
+  Answers out;
+  for (Answers& part : parts) out.append(std::exchange(part, {}));
   return out;
 }
 
@@ -199,10 +231,10 @@ class TileOutput {
         options_(std::move(options)),
         foreign_number_(around.position().size() - around.num_own(), kUnused) {}
 
-  void solve() {
+  void solve(const Executor& executor) {
     const Subdivision& subdivision = polygons_.subdivision();
     PolygonExtractor extractor(polygons_.source());
-    const Answers answers = solve_complete(polygons_, extractor, options_);
+    const Answers answers = solve_complete(polygons_, options_, executor);
     for (const VertexId v : answers.unserved) unserved_.push_back(around_.point()[v.value].value);
     list_servable(answers.servable);
     const auto contested = contested_polygons(polygons_, tile_.links, answers.unserved);
@@ -249,8 +281,10 @@ class TileOutput {
  private:
   static constexpr std::uint32_t kUnused = static_cast<std::uint32_t>(-1);
 
-  void list_servable(const std::vector<std::uint8_t>& servable) {
+  void list_servable(const std::vector<VertexId>& vertices) {
     if (!options_.max_error || polygons_.assignment().fate.empty()) return;
+    std::vector<std::uint8_t> servable(tri_.num_vertices());
+    for (const VertexId v : vertices) servable[v.value] = 1;
     for (std::uint32_t v = 0; v < servable.size(); ++v) {
       const bool is_own = v < around_.num_own();
       if (!is_own && servable[v]) servable_.push_back(around_.point()[v].value);
@@ -332,8 +366,7 @@ class TileOutput {
         ++useful_edges_;
         fixed_edges_ += spoke.is_none() || !polygons_.crossings().crossed[spoke.value];
       }
-    useful_edges_ += std::count_if(tile_.edges.a.begin(), tile_.edges.a.end(),
-                                   [&](VertexId a) { return a.value < around_.num_own(); });
+    if (tri_.num_triangles() > 0) useful_edges_ += tile_.edges.begin[around_.num_own()];
   }
 
   // Own vertices that no order-k triangulation can save.
@@ -361,16 +394,18 @@ class TileOutput {
 void triangulate_tile(const RunContext& context, std::uint32_t tile) {
   const int k = context.options.triangulation.order;
   Neighborhood around(context, tile, initial_halo(context.outline, tile, k));
-  const CertifiedTile certified = certify(around, k);
+  const Executor executor = tile_executor();
+  const CertifiedTile certified = certify(around, k, executor);
   const PolygonOptions solving = polygon_options(context);
   TileReference reference;
   const bool has_reference = context.has_reference();
   if (has_reference)
     reference = read_tile_reference(context, tile, certified, around.height(),
                                     solving.max_error ? &*solving.max_error : nullptr);
-  const TilePolygons polygons(certified, around.height(), k, solving.objectives, has_reference ? &reference : nullptr);
+  const TilePolygons polygons(certified, around.height(), solving.objectives, has_reference ? &reference : nullptr,
+                              executor);
   TileOutput output(around, certified, polygons, solving);
-  output.solve();
+  output.solve(executor);
   store::Writer out(context.layout.unit(Phase::triangulate, tile));
   out.set("recipe", context.recipe(Phase::triangulate));
   output.write(out);

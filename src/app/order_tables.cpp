@@ -52,7 +52,7 @@ OrderTables order_tables(const SmallPoints& points, int k) {
   const TriangulationView view = triangulation.view();
   if (view.num_triangles() == 0) return tables;
   const VertexLinks links = vertex_links(view);
-  const UsefulEdges edges = k > 0 ? useful_edges(view, links, k) : UsefulEdges{};
+  const UsefulEdges edges = useful_edges(view, links, k);
   const Crossings crossings = find_crossings(view, edges);
   add_delaunay(points, view, tables);
   each_edge(view, [&](HalfedgeId h) {
@@ -61,15 +61,13 @@ OrderTables order_tables(const SmallPoints& points, int k) {
     if (crossings.crossed[h.value] == 0) tables.fixed.push_back(rows);
   });
   for (std::uint32_t e = 0; e < edges.size(); ++e) {
-    const auto rows = rows_of(points, edges.a[e], edges.b[e]);
-    tables.useful.push_back({rows[0], rows[1], edges.useful_order[e]});
+    const auto rows = rows_of(points, edges.a(view, e), edges.b[e]);
+    tables.useful.push_back({rows[0], rows[1], edges.useful_order(e)});
   }
-  if (k > 0) {
-    const OrderKTriangles others = order_k_triangles(view, links, edges, k);
-    for (std::uint32_t t = 0; t < others.size(); ++t) {
-      const auto& [a, b, c] = others.vertices[t];
-      tables.triangles.emplace_back(rows_of(points, a, b, c), others.order[t]);
-    }
+  const OrderKTriangles others = order_k_triangles(view, edges);
+  for (std::uint32_t t = 0; t < others.size(); ++t) {
+    const auto& [a, b, c] = others.vertices[t];
+    tables.triangles.emplace_back(rows_of(points, a, b, c), others.order[t]);
   }
   const Subdivision subdivision = subdivide(view, crossings.crossed);
   for (std::uint32_t f = 0; f < subdivision.size(); ++f)

@@ -61,18 +61,23 @@ std::vector<std::uint32_t> tie_ends(const PolygonProblem& problem, const Polygon
   return ends;
 }
 
+std::vector<LatticeBox> boxes_of(const PolygonProblem& problem, const PolygonGraph& graph) {
+  std::vector<LatticeBox> out(graph.num_triangles());
+  for (std::uint32_t t = 0; t < graph.num_triangles(); ++t)
+    for (const std::uint32_t v : graph.triangle(t)) out[t].extend(problem.position[v]);
+  return out;
+}
+
 // Triangles that the segment ab properly cuts.
-void add_blocked(const PolygonProblem& problem, const PolygonGraph& graph, LatticePoint a, LatticePoint b,
-                 std::vector<std::uint32_t>& out) {
+void add_blocked(const PolygonProblem& problem, const PolygonGraph& graph, const std::vector<LatticeBox>& reach,
+                 LatticePoint a, LatticePoint b, std::vector<std::uint32_t>& out) {
   LatticeBox box;
   box.extend(a);
   box.extend(b);
-  for (std::uint32_t t = 0; t < graph.num_triangles(); ++t) {
+  for (std::uint32_t t = 0; t < reach.size(); ++t) {
+    if (!reach[t].intersects(box)) continue;
     const auto& v = graph.triangle(t);
     const std::array<LatticePoint, 3> p{problem.position[v[0]], problem.position[v[1]], problem.position[v[2]]};
-    LatticeBox reach;
-    for (const LatticePoint q : p) reach.extend(q);
-    if (!reach.intersects(box)) continue;
     if (properly_cross(a, b, p[0], p[1]) || properly_cross(a, b, p[1], p[2]) || properly_cross(a, b, p[2], p[0]))
       out.push_back(t);
   }
@@ -91,11 +96,12 @@ std::uint64_t ComponentTies::num_ways(std::uint64_t most) const {
 
 ComponentTies find_component_ties(const PolygonProblem& problem, const PolygonGraph& graph) {
   ComponentTies out;
+  const std::vector<LatticeBox> reach = boxes_of(problem, graph);
   for (const std::uint32_t u : component_ends(problem, graph)) {
     for (const std::uint32_t w : tie_ends(problem, graph, u)) {
       const std::uint32_t tie = graph.find(u, w);
       out.tie.push_back({tie, PolygonGraph::twin(tie)});
-      add_blocked(problem, graph, problem.position[u], problem.position[w], out.blocked);
+      add_blocked(problem, graph, reach, problem.position[u], problem.position[w], out.blocked);
       out.blocked_begin.push_back(static_cast<std::uint32_t>(out.blocked.size()));
     }
     out.begin.push_back(static_cast<std::uint32_t>(out.tie.size()));

@@ -35,7 +35,7 @@ class HullHeuristic {
     if (tri_.num_triangles() == 0) return;
     links_ = vertex_links(tri_);
     edges_ = useful_edges(tri_, links_, k);
-    collect_orders(k);
+    collect_orders();
     used_.assign(tri_.num_triangles(), 0);
     lower_.assign(tri_.num_vertices(), 0);
     for (HalfedgeId h{0}; h.value < tri_.origin.size(); ++h.value)
@@ -68,8 +68,8 @@ class HullHeuristic {
     return {tri_.origin[h].value, tri_.target(h).value, tri_.apex(h).value};
   }
 
-  void collect_orders(int k) {
-    const OrderKTriangles triangles = order_k_triangles(tri_, links_, edges_, k);
+  void collect_orders() {
+    const OrderKTriangles triangles = order_k_triangles(tri_, edges_);
     for (std::uint32_t c = 0; c < triangles.size(); ++c) {
       Triangle t{triangles.vertices[c][0].value, triangles.vertices[c][1].value, triangles.vertices[c][2].value};
       std::sort(t.begin(), t.end());
@@ -102,7 +102,7 @@ class HullHeuristic {
   [[nodiscard]] std::vector<std::uint32_t> edges_down(std::uint32_t v) {
     if (edges_at_.empty()) {
       for (std::uint32_t e = 0; e < edges_.size(); ++e) {
-        const std::uint32_t a = edges_.a[e].value, b = edges_.b[e].value;
+        const std::uint32_t a = edges_.a(tri_, e).value, b = edges_.b[e].value;
         edges_at_.emplace(is_lower_vertex(a, b) ? b : a, e);
       }
     }
@@ -110,17 +110,17 @@ class HullHeuristic {
     const auto [first, last] = edges_at_.equal_range(v);
     for (auto i = first; i != last; ++i) out.push_back(i->second);
     const auto other = [&](std::uint32_t e) {
-      return at(edges_.a[e].value == v ? edges_.b[e].value : edges_.a[e].value);
+      return at(edges_.a(tri_, e).value == v ? edges_.b[e].value : edges_.a(tri_, e).value);
     };
     std::sort(out.begin(), out.end(), [&](std::uint32_t e, std::uint32_t f) {
-      return std::pair{edges_.useful_order[e], other(e)} < std::pair{edges_.useful_order[f], other(f)};
+      return std::pair{edges_.useful_order(e), other(e)} < std::pair{edges_.useful_order(f), other(f)};
     });
     return out;
   }
 
   // Nothing if a triangle is taken.
   [[nodiscard]] std::optional<Hull> hull_of(std::uint32_t e) const {
-    const std::uint32_t a = edges_.a[e].value, b = edges_.b[e].value;
+    const std::uint32_t a = edges_.a(tri_, e).value, b = edges_.b[e].value;
     Hull hull;
     HalfedgeId h = edges_.entry[e];  // a on its left: it runs from the right side of ab to the left side
     hull.triangle.push_back(triangle_of(h));
@@ -161,7 +161,7 @@ class HullHeuristic {
   bool insert(std::uint32_t e) {
     const auto hull = hull_of(e);
     if (!hull) return false;
-    const std::uint32_t a = edges_.a[e].value, b = edges_.b[e].value;
+    const std::uint32_t a = edges_.a(tri_, e).value, b = edges_.b[e].value;
     std::vector<Triangle> fresh;
     std::vector<std::uint32_t> back(hull->right.rbegin(), hull->right.rend());
     if (!fill_side(a, b, hull->left, fresh) || !fill_side(b, a, back, fresh)) return false;

@@ -138,7 +138,7 @@ PointSetGround::PointSetGround(std::span<const LatticePoint> position, std::span
   const int k = options.order;
   links = vertex_links(tri);
   edges = useful_edges(tri, links, k);
-  triangles = order_k_triangles(tri, links, edges, k);
+  triangles = order_k_triangles(tri, edges);
   crossings = find_crossings(tri, edges);
   subdivision = subdivide(tri, crossings.crossed);
   candidates = candidates_by_polygon(subdivision, triangles);

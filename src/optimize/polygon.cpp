@@ -328,9 +328,10 @@ struct PolygonSolver::Impl {
     return true;
   }
 
-  // Where a linear program would have to be asked for local minima alone, flips often do.
+  // Where a linear program or many ties would have to be tried for local minima alone, flips often do. Nothing serves
+  // more vertices then, but others that serve as many may have more Delaunay edges.
   [[nodiscard]] bool flips_serve_all(const PolygonResult& result) {
-    const bool costly = search.is_linear() || !search.is_within_budget();
+    const bool costly = search.is_costly() || !search.is_within_budget();
     if (!costly || options.method != ComponentMethod::automatic || !is_loose() || options.max_error ||
         options.objectives.size() > 1 || first() != Objective::local_minima)
       return false;

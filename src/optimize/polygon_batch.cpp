@@ -32,91 +32,113 @@ std::uint32_t slot_of(VertexId v, std::size_t num_slots) {
 
 }  // namespace
 
-PolygonChooser::PolygonChooser(const TriangulationView& triangulation, const VertexLinks& links,
-                               std::span<const std::int32_t> height, const Crossings& crossings,
-                               const Subdivision& subdivision, Objective objective, const MinimaAssignment* assignment)
-    : tri_(triangulation),
-      links_(links),
-      height_(height),
-      crossings_(crossings),
-      subdivision_(subdivision),
-      objective_(objective),
-      assignment_(assignment),
-      wish_(subdivision.size()) {}
+namespace {
 
-// Whether an inner Delaunay edge of polygon f leads down from v.
-bool PolygonChooser::delaunay_serves(VertexId v, std::uint32_t f) const {
-  for (std::uint32_t i = links_.begin[v.value]; i < links_.begin[v.value + 1]; ++i) {
-    const HalfedgeId spoke = links_.spoke[i];
-    if (spoke.is_none() || !crossings_.crossed[spoke.value]) continue;
-    const VertexId w = links_.neighbor[i];
-    if (is_lower(height_[w.value], tri_.position[w], height_[v.value], tri_.position[v]) &&
-        subdivision_.polygon[triangle_of(spoke).value] == f)
-      return true;
-  }
-  return false;
-}
+constexpr std::uint32_t kVertexRange = 1U << 14;
 
-// Whether the dynamic program for f counts a vertex more than once, on a slit or where f touches itself: then it may
-// prefer another triangulation.
-bool PolygonChooser::has_repeated_vertices(std::uint32_t f) {
-  const auto triangles = subdivision_.triangles_of(f);
-  if (subdivision_.components[f] > 0) return true;
-  if (triangles.size() < 3) return false;
-  vertices_.clear();
-  for (const TriangleId t : triangles)
-    for (HalfedgeId h = first_halfedge(t); triangle_of(h) == t; ++h.value) vertices_.push_back(tri_.origin[h]);
-  std::sort(vertices_.begin(), vertices_.end());
-  const auto num_vertices = std::unique(vertices_.begin(), vertices_.end()) - vertices_.begin();
-  return static_cast<std::size_t>(num_vertices) != triangles.size() + 2;
-}
+class Chooser {
+ public:
+  Chooser(const TriangulationView& triangulation, const VertexLinks& links, std::span<const std::int32_t> height,
+          const Crossings& crossings, const Subdivision& subdivision, const MinimaAssignment& assignment)
+      : tri_(triangulation),
+        links_(links),
+        height_(height),
+        crossings_(crossings),
+        subdivision_(subdivision),
+        assignment_(assignment),
+        wish_(subdivision.size()) {}
 
-void PolygonChooser::look_at(VertexId begin, VertexId end) {
-  if (objective_ != Objective::local_minima) return;
-  for (VertexId v = begin; v < end; ++v.value) {
-    const TriangleId where = assignment_->where[v.value];
-    if (where.is_none()) continue;
+  // Notes what v wants of the polygon that is to save it.
+  void look_at(VertexId v) {
+    const TriangleId where = assignment_.where[v.value];
+    if (where.is_none()) return;
     const std::uint32_t f = subdivision_.polygon[where.value];
     // Vertices of several ranges may lie in one polygon.
     const std::atomic_ref<std::uint8_t> wish(wish_[f]);
-    if (wish.load(std::memory_order_relaxed) & kUnserved) continue;
+    if (wish.load(std::memory_order_relaxed) & kUnserved) return;
     wish.fetch_or(delaunay_serves(v, f) ? kServed : kUnserved, std::memory_order_relaxed);
   }
-}
 
-std::vector<std::uint8_t> PolygonChooser::finish() {
-  std::vector<std::uint8_t> out = std::move(wish_);
-  for (std::uint32_t f = 0; f < out.size(); ++f) {
-    if (objective_ == Objective::delaunay)
-      out[f] = 0;
-    else if (objective_ != Objective::local_minima)
-      out[f] = subdivision_.triangles_of(f).size() > 1;
-    else
-      out[f] = (out[f] & kUnserved) || (out[f] == kServed && has_repeated_vertices(f));
+  [[nodiscard]] bool is_to_solve(std::uint32_t f) const {
+    return (wish_[f] & kUnserved) || (wish_[f] == kServed && has_repeated_vertices(f));
   }
-  return out;
-}
+
+ private:
+  // Whether an inner Delaunay edge of polygon f leads down from v.
+  [[nodiscard]] bool delaunay_serves(VertexId v, std::uint32_t f) const {
+    for (std::uint32_t i = links_.begin[v.value]; i < links_.begin[v.value + 1]; ++i) {
+      const HalfedgeId spoke = links_.spoke[i];
+      if (spoke.is_none() || !crossings_.crossed[spoke.value]) continue;
+      const VertexId w = links_.neighbor[i];
+      if (is_lower(height_[w.value], tri_.position[w], height_[v.value], tri_.position[v]) &&
+          subdivision_.polygon[triangle_of(spoke).value] == f)
+        return true;
+    }
+    return false;
+  }
+
+  // Whether the dynamic program for f counts a vertex more than once, on a slit or where f touches itself: then it may
+  // prefer another triangulation.
+  [[nodiscard]] bool has_repeated_vertices(std::uint32_t f) const {
+    const auto triangles = subdivision_.triangles_of(f);
+    if (subdivision_.components[f] > 0) return true;
+    if (triangles.size() < 3) return false;
+    std::vector<VertexId> vertices;
+    for (const TriangleId t : triangles)
+      for (HalfedgeId h = first_halfedge(t); triangle_of(h) == t; ++h.value) vertices.push_back(tri_.origin[h]);
+    std::sort(vertices.begin(), vertices.end());
+    const auto num_vertices = std::unique(vertices.begin(), vertices.end()) - vertices.begin();
+    return static_cast<std::size_t>(num_vertices) != triangles.size() + 2;
+  }
+
+  TriangulationView tri_;
+  const VertexLinks& links_;
+  std::span<const std::int32_t> height_;
+  const Crossings& crossings_;
+  const Subdivision& subdivision_;
+  const MinimaAssignment& assignment_;
+  std::vector<std::uint8_t> wish_;  // [F] of the vertices that it is to save
+};
+
+}  // namespace
 
 std::vector<std::uint8_t> polygons_to_solve(const TriangulationView& tri, const VertexLinks& links,
                                             std::span<const std::int32_t> height, const Crossings& crossings,
                                             const Subdivision& subdivision, Objective objective,
-                                            const MinimaAssignment* assignment) {
-  PolygonChooser chooser(tri, links, height, crossings, subdivision, objective, assignment);
-  chooser.look_at(VertexId{0}, VertexId{tri.num_vertices()});
-  return chooser.finish();
+                                            const MinimaAssignment* assignment, const Executor& executor) {
+  std::vector<std::uint8_t> out(subdivision.size());
+  if (objective == Objective::delaunay) return out;
+  if (objective != Objective::local_minima) {
+    for (std::uint32_t f = 0; f < out.size(); ++f) out[f] = subdivision.triangles_of(f).size() > 1;
+    return out;
+  }
+  Chooser chooser(tri, links, height, crossings, subdivision, *assignment);
+  for_ranges(executor, tri.num_vertices(), kVertexRange, [&](std::uint32_t begin, std::uint32_t end) {
+    for (std::uint32_t v = begin; v < end; ++v) chooser.look_at(VertexId{v});
+  });
+  for_ranges(executor, subdivision.size(), kVertexRange, [&](std::uint32_t begin, std::uint32_t end) {
+    for (std::uint32_t f = begin; f < end; ++f) out[f] = chooser.is_to_solve(f);
+  });
+  return out;
 }
 
 EdgesByPolygon edges_by_polygon(const Subdivision& subdivision, const UsefulEdges& edges,
                                 std::span<const std::uint8_t> wanted) {
   EdgesByPolygon out;
   out.begin.resize(subdivision.size() + 1);
-  const auto polygon = [&](std::uint32_t e) { return subdivision.polygon[triangle_of(edges.entry[e]).value]; };
-  for (std::uint32_t e = 0; e < edges.size(); ++e) out.begin[polygon(e)] += wanted[polygon(e)];
+  const auto for_runs = [&](auto visit) {
+    std::uint32_t before = static_cast<std::uint32_t>(-1);
+    for (std::uint32_t e = 0; e < edges.size(); ++e) {
+      const std::uint32_t f = EdgesByPolygon::polygon_of(e, subdivision, edges);
+      if (f != before && wanted[f]) visit(f, e);
+      before = f;
+    }
+  };
+  for_runs([&](std::uint32_t f, std::uint32_t) { ++out.begin[f + 1]; });
   std::partial_sum(out.begin.begin(), out.begin.end(), out.begin.begin());
-  out.edge.resize(out.begin.back());
-  // Backwards, so that `begin` ends up where the edges of a polygon do.
-  for (std::uint32_t e = edges.size(); e-- > 0;)
-    if (wanted[polygon(e)]) out.edge[--out.begin[polygon(e)]] = e;
+  out.first.resize(out.begin.back());
+  std::vector<std::uint32_t> at(out.begin.begin(), out.begin.end() - 1);
+  for_runs([&](std::uint32_t f, std::uint32_t e) { out.first[at[f]++] = e; });
   return out;
 }
 
@@ -160,16 +182,17 @@ BatchFigures solve_polygons(const PolygonSource& source, std::span<const std::ui
 }
 
 BatchFigures solve_polygons(const PolygonSource& source, std::span<const std::uint8_t> to_solve,
-                            const OrderKTriangleFinder& finder, const EdgesByPolygon& edges, std::uint32_t begin,
+                            const UsefulEdges& edges, const EdgesByPolygon& edges_of, std::uint32_t begin,
                             std::uint32_t end, PolygonExtractor& extractor, PolygonSolver& solver,
                             std::span<std::array<VertexId, 3>> triangles) {
+  const OrderKTriangleFinder finder(source.triangulation, edges);
   OrderKTriangles others;
-  return solve_range(source, to_solve, begin, end, extractor, solver, triangles,
-                     [&](std::uint32_t f) -> const PolygonProblem& {
-                       others.clear();
-                       finder.find(edges.of(f), others);
-                       return extractor.extract(f, others);
-                     });
+  return solve_range(
+      source, to_solve, begin, end, extractor, solver, triangles, [&](std::uint32_t f) -> const PolygonProblem& {
+        others.clear();
+        edges_of.for_each(f, source.subdivision, edges, [&](std::uint32_t e) { finder.visit(e, others); });
+        return extractor.extract(f, others);
+      });
 }
 
 PolygonExtractor::PolygonExtractor(const PolygonSource& source) : source_(source) {}

@@ -23,19 +23,26 @@ std::uint32_t PolygonGraph::find(std::uint32_t origin, std::uint32_t target) con
   return edge == kNoEdge ? kNoEdge : directed(edge, origin);
 }
 
-bool PolygonGraph::goes_down(std::uint32_t origin, std::uint32_t target) const {
-  const auto& height = problem_->height;
-  const auto& position = problem_->position;
-  return !height.empty() && is_lower(height[target], position[target], height[origin], position[origin]);
+// Adds both directions.
+void PolygonGraph::add(std::uint32_t origin, std::uint32_t target) {
+  const PolygonProblem& p = *problem_;
+  const bool down =
+      !p.height.empty() && is_lower(p.height[target], p.position[target], p.height[origin], p.position[origin]);
+  const bool by_wishes = !p.wants_lower.empty();
+  const bool first = by_wishes && p.wants_lower[origin] != 0, second = by_wishes && p.wants_lower[target] != 0;
+  const auto wishes = [](bool of_origin, bool of_target) {
+    return static_cast<std::uint8_t>((of_origin ? PolygonEdge::kOriginWishes : 0) |
+                                     (of_target ? PolygonEdge::kTargetWishes : 0));
+  };
+  edges_.push_back({origin, target, kNoEdge, false, false, down, wishes(first, second)});
+  edges_.push_back({target, origin, kNoEdge, false, false, !down, wishes(second, first)});
 }
 
 std::uint32_t PolygonGraph::find_or_add(std::uint32_t origin, std::uint32_t target) {
   Slot& slot = slot_[slot_of(origin, target)];
   if (slot.edge != kNoEdge) return directed(slot.edge, origin);
   slot = {std::max(origin, target), num_edges()};
-  const bool down = goes_down(origin, target);
-  edges_.push_back({origin, target, kNoEdge, false, false, down});
-  edges_.push_back({target, origin, kNoEdge, false, false, !down});
+  add(origin, target);
   return slot.edge;
 }
 
@@ -74,7 +81,7 @@ void PolygonGraph::build(const PolygonProblem& problem) {
   options_.resize(3 * std::size_t{num_triangles()});
   foreign_.resize(num_triangles());
   const auto num_delaunay = static_cast<std::uint32_t>(problem.delaunay.size());
-  slot_.assign(std::bit_ceil(std::max(16 * problem.position.size(), std::size_t{6} * num_triangles())), Slot{});
+  slot_.assign(std::bit_ceil(std::max(8 * problem.position.size(), std::size_t{4} * num_triangles())), Slot{});
   for (std::uint32_t t = 0; t < num_delaunay; ++t) add_triangle(t, true);
   for (std::uint32_t t = num_delaunay; t < num_triangles(); ++t) add_triangle(t, false);
   for_sides([&](std::uint32_t a, std::uint32_t b) { edges_[twin(find_or_add(a, b))].is_boundary = true; });

@@ -26,8 +26,11 @@ struct PolygonEdge {
   std::uint32_t origin, target;
   std::uint32_t first_option;  ///< kNoEdge: none
   bool is_delaunay;
-  bool is_boundary;  ///< the outside (or a slit) is on its left: nothing to triangulate
-  bool goes_down;    ///< the target is lower than the origin, where heights are known
+  bool is_boundary;     ///< the outside (or a slit) is on its left: nothing to triangulate
+  bool goes_down;       ///< the target is lower than the origin, where heights are known
+  std::uint8_t wishes;  ///< kOriginWishes, kTargetWishes: ends that want a lower neighbour
+
+  static constexpr std::uint8_t kOriginWishes = 1, kTargetWishes = 2;
 };
 
 /// Built anew for each polygon; the arrays are reused. Both directions of an edge are there, side by side.
@@ -73,7 +76,7 @@ class PolygonGraph {
     return edges_[edge].origin == origin ? edge : twin(edge);
   }
   std::uint32_t find_or_add(std::uint32_t origin, std::uint32_t target);
-  [[nodiscard]] bool goes_down(std::uint32_t origin, std::uint32_t target) const;
+  void add(std::uint32_t origin, std::uint32_t target);
   void add_triangle(std::uint32_t t, bool delaunay);
   template <class Visit>
   void for_sides(Visit visit) const;

@@ -12,6 +12,7 @@ namespace hydrotin {
 namespace {
 
 constexpr std::uint32_t kTriangleVisits = 1U << 20;  // by all dynamic programs for the ties of one polygon
+constexpr std::uint32_t kTriangleVisitsWorthFlips = 1U << 16;
 constexpr std::uint64_t kWaysWorthInfluence = 6;
 constexpr std::uint32_t kMostTied = 16;  // components; to list the ties of more would take too long
 
@@ -53,6 +54,7 @@ void PolygonSearch::start(const PolygonGraph& graph, const PolygonOptions& optio
   ties_ = {};
   incumbent_.clear();
   linear_ = options.method == ComponentMethod::linear_program;
+  costly_ = false;
   if (problem.components == 0 || linear_ || !is_within_budget()) return;
   if (options.method != ComponentMethod::ties && problem.components > kMostTied) {
     linear_ = true;
@@ -62,6 +64,7 @@ void PolygonSearch::start(const PolygonGraph& graph, const PolygonOptions& optio
   const std::uint64_t affordable = std::min(options.max_ways, kTriangleVisits / graph.num_triangles());
   const std::uint64_t num_ways = ties_.num_ways(affordable);
   linear_ = num_ways > affordable && options.method != ComponentMethod::ties;
+  costly_ = num_ways > kTriangleVisitsWorthFlips / graph.num_triangles();
   if (!linear_) order_components(num_ways);
 }
 

@@ -40,6 +40,8 @@ class PolygonSearch {
   void for_each_way(const std::vector<std::uint8_t>& blocked, Visit visit);
   /// An answer that is known without search, for the next run of a linear program.
   void offer(std::vector<std::uint32_t> triangles) { incumbent_ = std::move(triangles); }
+  /// Whether much work is to be expected: components are left to the linear program, or their ties are many.
+  [[nodiscard]] bool is_costly() const { return linear_ || costly_; }
   /// Whether components are left to the linear program.
   [[nodiscard]] bool is_linear() const { return linear_; }
 
@@ -73,7 +75,7 @@ class PolygonSearch {
   std::uint32_t size_ = 0;  // triangles of an answer
   std::uint32_t programs_ = 0;
   double first_bound_ = 0;
-  bool linear_ = false, proven_ = true;
+  bool linear_ = false, costly_ = false, proven_ = true;
 };
 
 // All ways, counted like the digits of a number.

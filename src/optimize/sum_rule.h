@@ -94,18 +94,18 @@ struct SumRule {
   }
 
   [[nodiscard]] std::size_t slot() const { return static_cast<std::size_t>(gain_slot); }
-  [[nodiscard]] bool wants(std::uint32_t v) const { return problem.wants_lower[v] != 0; }
 
   void improve_states(Cell& cell, std::uint32_t o, const Cell& left, const Cell& right) const {
     const Option& option = graph.option(o);
     const PolygonEdge& el = graph.edge(option.left_child);   // i -> q
     const PolygonEdge& er = graph.edge(option.right_child);  // q -> j
-    const std::uint32_t i = el.origin, q = option.apex, j = er.target;
-    const unsigned asked = (wants(i) ? 1U : 0U) | (wants(j) ? 2U : 0U);  // of other states nobody asks
+    // Of states in which an end has to get what it does not wish for nobody asks.
+    const unsigned asked = (el.wishes & PolygonEdge::kOriginWishes) | (er.wishes & PolygonEdge::kTargetWishes);
     const bool inner_l = !el.is_boundary, inner_r = !er.is_boundary;
     const bool i_served = inner_l && el.goes_down, j_served = inner_r && !er.goes_down;
     const bool q_served = (inner_l && !i_served) || (inner_r && !j_served);
-    const Scalar q_gain = kGain[problem.wants_lower[q]];
+    const bool q_wishes = el.wishes & PolygonEdge::kTargetWishes;
+    const Scalar q_gain = q_wishes ? kGain[problem.wants_lower[option.apex]] : Scalar{0};
     for (unsigned state = 0; state < 4; ++state) {
       if (state & ~asked) continue;
       const unsigned need_i = (state & 1U) && !i_served, need_j = (state & 2U) && !j_served;
@@ -115,7 +115,7 @@ struct SumRule {
               {static_cast<std::uint8_t>(sl), static_cast<std::uint8_t>(sr)});
       };
       offer_states(0, 0, q_served ? q_gain : Scalar{0});
-      if (q_gain != 0 && !q_served) {
+      if (q_wishes && !q_served) {
         offer_states(1, 0, q_gain);
         offer_states(0, 1, q_gain);
       }

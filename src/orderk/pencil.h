@@ -146,6 +146,24 @@ class HitList {
   std::uint32_t size_ = 0;
 };
 
+/// A set of vertices that is emptied in constant time.
+class Marks {
+ public:
+  explicit Marks(std::uint32_t num_vertices) : stamp_(num_vertices) {}
+
+  void clear() {
+    if (++now_ != 0) return;
+    std::fill(stamp_.begin(), stamp_.end(), 0U);
+    now_ = 1;
+  }
+  void add(VertexId p) { stamp_[p.value] = now_; }
+  [[nodiscard]] bool has(VertexId p) const { return stamp_[p.value] == now_; }
+
+ private:
+  std::vector<std::uint32_t> stamp_;  // [n] equal to `now_`: is in the set
+  std::uint32_t now_ = 1;
+};
+
 /// Points next to those inside a pencil's circle, in no order, each once.
 class Frontier {
  public:

@@ -8,18 +8,9 @@
 
 namespace hydrotin {
 
-Crossings no_crossings(const TriangulationView& tri, const UsefulEdges& edges) {
-  Crossings out;
-  out.crossed.resize(tri.origin.size());
-  out.exit.resize(edges.size());
-  return out;
-}
+namespace {
 
-Crossings find_crossings(const TriangulationView& tri, const UsefulEdges& edges) {
-  Crossings out = no_crossings(tri, edges);
-  add_crossings(tri, edges, 0, edges.size(), out);
-  return out;
-}
+constexpr std::uint32_t kEdgeRange = 1U << 14, kTriangleRange = 1U << 15;
 
 void add_crossings(const TriangulationView& tri, const UsefulEdges& edges, std::uint32_t begin, std::uint32_t end,
                    Crossings& out) {
@@ -29,7 +20,7 @@ void add_crossings(const TriangulationView& tri, const UsefulEdges& edges, std::
   };
   for (std::uint32_t e = begin; e < end; ++e) {
     const VertexId b = edges.b[e];
-    const LatticePoint at_a = tri.position[edges.a[e]], at_b = tri.position[b];
+    const LatticePoint at_a = tri.position[edges.a(tri, e)], at_b = tri.position[b];
     HalfedgeId h = edges.entry[e];
     for (;;) {
       const HalfedgeId twin = tri.twin[h];
@@ -49,26 +40,71 @@ void add_crossings(const TriangulationView& tri, const UsefulEdges& edges, std::
   }
 }
 
-Subdivision subdivide(const TriangulationView& tri, std::span<const std::uint8_t> crossed) {
-  const std::uint32_t num_triangles = tri.num_triangles();
-  std::vector<std::uint32_t> root(num_triangles);
-  std::iota(root.begin(), root.end(), 0U);
-  const auto find = [&](std::uint32_t t) {
-    while (root[t] != t) t = root[t] = root[root[t]];
+// Sets of triangles; the smallest of each is its root.
+class TriangleSets {
+ public:
+  explicit TriangleSets(std::uint32_t num_triangles) : root_(num_triangles) {}
+
+  /// The triangles [begin, end), one by one.
+  void separate(std::uint32_t begin, std::uint32_t end) {
+    std::iota(root_.begin() + begin, root_.begin() + end, begin);
+  }
+  std::uint32_t find(std::uint32_t t) {
+    while (root_[t] != t) t = root_[t] = root_[root_[t]];
     return t;
-  };
-  for (HalfedgeId h{0}; h.value < tri.origin.size(); ++h.value) {
-    if (!crossed[h.value] || h > tri.twin[h]) continue;
-    const std::uint32_t s = find(triangle_of(h).value), t = find(triangle_of(tri.twin[h]).value);
-    if (s < t) root[t] = s;  // the smallest triangle stays the root
-    if (t < s) root[s] = t;
+  }
+  void join(std::uint32_t s, std::uint32_t t) {
+    s = find(s);
+    t = find(t);
+    if (s < t) root_[t] = s;
+    if (t < s) root_[s] = t;
   }
 
+ private:
+  std::vector<std::uint32_t> root_;
+};
+
+// Joins what crossed half-edges join: first inside ranges of triangles, which stand near each other, then across.
+TriangleSets join_across(const TriangulationView& tri, std::span<const std::uint8_t> crossed,
+                         const Executor& executor) {
+  const std::uint32_t num_triangles = tri.num_triangles();
+  TriangleSets sets(num_triangles);
+  std::vector<std::vector<HalfedgeId>> between(num_triangles / kTriangleRange + 1);
+  for_ranges(executor, num_triangles, kTriangleRange, [&](std::uint32_t begin, std::uint32_t end) {
+    sets.separate(begin, end);
+    for (HalfedgeId h{3 * begin}; h.value < 3 * end; ++h.value) {
+      if (!crossed[h.value] || h > tri.twin[h]) continue;
+      const std::uint32_t s = triangle_of(h).value, t = triangle_of(tri.twin[h]).value;
+      if (t < end)
+        sets.join(s, t);
+      else
+        between[begin / kTriangleRange].push_back(h);
+    }
+  });
+  for (const auto& range : between)
+    for (const HalfedgeId h : range) sets.join(triangle_of(h).value, triangle_of(tri.twin[h]).value);
+  return sets;
+}
+
+}  // namespace
+
+Crossings find_crossings(const TriangulationView& tri, const UsefulEdges& edges, const Executor& executor) {
+  Crossings out;
+  out.crossed.resize(tri.origin.size());
+  out.exit.resize(edges.size());
+  for_ranges(executor, edges.size(), kEdgeRange,
+             [&](std::uint32_t begin, std::uint32_t end) { add_crossings(tri, edges, begin, end, out); });
+  return out;
+}
+
+Subdivision subdivide(const TriangulationView& tri, std::span<const std::uint8_t> crossed, const Executor& executor) {
+  const std::uint32_t num_triangles = tri.num_triangles();
+  TriangleSets sets = join_across(tri, crossed, executor);
   Subdivision out;
   out.polygon.resize(num_triangles);
   std::vector<std::uint32_t> size;
   for (std::uint32_t t = 0; t < num_triangles; ++t) {
-    const std::uint32_t r = find(t);
+    const std::uint32_t r = sets.find(t);
     if (r == t) {
       out.polygon[t] = static_cast<std::uint32_t>(size.size());
       size.push_back(1);

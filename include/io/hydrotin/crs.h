@@ -29,8 +29,9 @@ struct Crs {
 /// What a file held; an empty text gives the unknown CRS. Fails: Error(input) naming `file`.
 [[nodiscard]] Crs crs_from_wkt(const std::string& wkt, const std::string& file);
 
-/// Whether x and y in both mean the same place: names, axis order, the vertical part and metadata are ignored. Two unknown CRSs are
-/// the same; an unknown one is never the same as a known one. Both texts must come from the functions above.
+/// Whether x and y in both mean the same place: names, axis order, the vertical part and metadata are ignored. Two
+/// unknown CRSs are the same; an unknown one is never the same as a known one. Both texts must come from the functions
+/// above.
 [[nodiscard]] bool same_crs(const Crs& a, const Crs& b);
 
 }  // namespace hydrotin

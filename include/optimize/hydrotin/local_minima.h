@@ -35,30 +35,6 @@ struct MinimaAssignment {
 /// Complexity: O(n + T + E).
 [[nodiscard]] MinimaAssignment assign_minima(const TriangulationView& triangulation, const VertexLinks& links,
                                              const UsefulEdges& edges, const Crossings& crossings,
-                                             std::span<const std::int32_t> height);
-
-/// The same in steps, the first of which may be taken for ranges of vertices concurrently.
-class MinimaAssigner {
- public:
-  MinimaAssigner(const TriangulationView& triangulation, const VertexLinks& links, const UsefulEdges& edges,
-                 const Crossings& crossings, std::span<const std::int32_t> height);
-
-  /// Looks at the Delaunay edges of the vertices [begin, end).
-  void look_at_delaunay(VertexId begin, VertexId end);
-  /// Looks at the useful edges, after all vertices have been looked at.
-  [[nodiscard]] MinimaAssignment finish();
-
- private:
-  [[nodiscard]] bool lower(VertexId p, VertexId q) const;
-  void offer(VertexId v, VertexId w, HalfedgeId h);
-
-  TriangulationView tri_;
-  const VertexLinks& links_;
-  const UsefulEdges& edges_;
-  const Crossings& crossings_;
-  std::span<const std::int32_t> height_;
-  MinimaAssignment out_;
-  std::vector<VertexId> lowest_;  // [n] useful neighbour found so far
-};
+                                             std::span<const std::int32_t> height, const Executor& executor = serially);
 
 }  // namespace hydrotin

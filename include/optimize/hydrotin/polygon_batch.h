@@ -26,13 +26,21 @@ struct PolygonCandidates {
 
 [[nodiscard]] PolygonCandidates candidates_by_polygon(const Subdivision& subdivision, const OrderKTriangles& triangles);
 
-/// The useful edges of some polygons (CSR): edge[begin[f] .. begin[f + 1]) are numbers of edges, ascending.
+/// The useful edges of some polygons (CSR), as runs of edges with consecutive numbers: first[begin[f] .. begin[f + 1])
+/// are the first edges of the runs of polygon f, ascending.
 struct EdgesByPolygon {
   std::vector<std::uint32_t> begin;  ///< [F + 1]
-  std::vector<std::uint32_t> edge;   ///< [edges of the wanted polygons]
+  std::vector<std::uint32_t> first;  ///< [runs]
 
-  [[nodiscard]] std::span<const std::uint32_t> of(std::uint32_t f) const {
-    return std::span(edge).subspan(begin[f], begin[f + 1] - begin[f]);
+  /// Calls visit(edge) for all edges of polygon f, ascending.
+  template <class Visit>
+  void for_each(std::uint32_t f, const Subdivision& subdivision, const UsefulEdges& edges, Visit visit) const {
+    for (std::uint32_t r = begin[f]; r < begin[f + 1]; ++r)
+      for (std::uint32_t e = first[r]; e < edges.size() && polygon_of(e, subdivision, edges) == f; ++e) visit(e);
+  }
+  [[nodiscard]] static std::uint32_t polygon_of(std::uint32_t e, const Subdivision& subdivision,
+                                                const UsefulEdges& edges) {
+    return subdivision.polygon[triangle_of(edges.entry[e]).value];
   }
 };
 
@@ -62,34 +70,8 @@ struct PolygonSource {
                                                           const VertexLinks& links,
                                                           std::span<const std::int32_t> height,
                                                           const Crossings& crossings, const Subdivision& subdivision,
-                                                          Objective objective, const MinimaAssignment* assignment);
-
-/// The same in steps, the first of which may be taken for ranges of vertices concurrently.
-class PolygonChooser {
- public:
-  PolygonChooser(const TriangulationView& triangulation, const VertexLinks& links, std::span<const std::int32_t> height,
-                 const Crossings& crossings, const Subdivision& subdivision, Objective objective,
-                 const MinimaAssignment* assignment);
-
-  /// Looks at what the vertices [begin, end) want.
-  void look_at(VertexId begin, VertexId end);
-  /// The polygons to solve, after all vertices have been looked at.
-  [[nodiscard]] std::vector<std::uint8_t> finish();
-
- private:
-  [[nodiscard]] bool delaunay_serves(VertexId v, std::uint32_t f) const;
-  [[nodiscard]] bool has_repeated_vertices(std::uint32_t f);
-
-  TriangulationView tri_;
-  const VertexLinks& links_;
-  std::span<const std::int32_t> height_;
-  const Crossings& crossings_;
-  const Subdivision& subdivision_;
-  Objective objective_;
-  const MinimaAssignment* assignment_;
-  std::vector<std::uint8_t> wish_;  // [F] of the vertices that it is to save
-  std::vector<VertexId> vertices_;  // scratch
-};
+                                                          Objective objective, const MinimaAssignment* assignment,
+                                                          const Executor& executor = serially);
 
 /// Copies one polygon at a time into local arrays. Its scratch memory is that of the largest polygon so far.
 class PolygonExtractor {
@@ -142,9 +124,9 @@ BatchFigures solve_polygons(const PolygonSource& source, std::span<const std::ui
 
 /// The same with the order-k triangles made where they are needed, one polygon at a time: no more than the edges has to
 /// be kept for all polygons. `triangles` and `candidates` of the source are not looked at.
-/// @param edges  at least the edges of the polygons to solve
+/// @param edges_of  at least the edges of the polygons to solve
 BatchFigures solve_polygons(const PolygonSource& source, std::span<const std::uint8_t> to_solve,
-                            const OrderKTriangleFinder& finder, const EdgesByPolygon& edges, std::uint32_t begin,
+                            const UsefulEdges& edges, const EdgesByPolygon& edges_of, std::uint32_t begin,
                             std::uint32_t end, PolygonExtractor& extractor, PolygonSolver& solver,
                             std::span<std::array<VertexId, 3>> triangles);
 

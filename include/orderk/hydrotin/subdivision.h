@@ -29,13 +29,8 @@ struct Crossings {
 };
 
 /// Walks along each edge from its entry. O(T + crossings).
-[[nodiscard]] Crossings find_crossings(const TriangulationView& triangulation, const UsefulEdges& edges);
-
-/// The same in parts: first room for all crossings, then the edges [begin, end) in ranges that may be walked
-/// concurrently.
-[[nodiscard]] Crossings no_crossings(const TriangulationView& triangulation, const UsefulEdges& edges);
-void add_crossings(const TriangulationView& triangulation, const UsefulEdges& edges, std::uint32_t begin,
-                   std::uint32_t end, Crossings& crossings);
+[[nodiscard]] Crossings find_crossings(const TriangulationView& triangulation, const UsefulEdges& edges,
+                                       const Executor& executor = serially);
 
 /// Polygons as lists of Delaunay triangles (CSR), numbered by their smallest triangle, triangles ascending.
 struct Subdivision {
@@ -51,6 +46,7 @@ struct Subdivision {
 };
 
 /// Joins triangles across crossed half-edges. O(T alpha(T)).
-[[nodiscard]] Subdivision subdivide(const TriangulationView& triangulation, std::span<const std::uint8_t> crossed);
+[[nodiscard]] Subdivision subdivide(const TriangulationView& triangulation, std::span<const std::uint8_t> crossed,
+                                    const Executor& executor = serially);
 
 }  // namespace hydrotin

@@ -31,7 +31,7 @@ struct Survey {
   std::vector<std::string> files;
 };
 
-Survey survey_of(const TemporaryFolder& folder, CloudKind kind, std::uint64_t seed, std::size_t n = 12'000) {
+Survey survey_of(const TemporaryFolder& folder, CloudKind kind, std::uint64_t seed, std::size_t n = 8'000) {
   Survey out;
   out.points.position = testing::make_cloud(kind, seed, n, 100);
   for (const LatticePoint p : out.points.position)
@@ -68,8 +68,8 @@ Whole thin_whole(const testing::Cloud& points) {
     all.height.push_back(z);
   }
   // On a lattice of 1 cm.
-  const ThinningOptions options{std::llround(kLimit * 1e8), static_cast<std::int32_t>(kCell * 100), 0, 0, true};
-  // The files' offsets are whole numbers of cells.
+  const ThinningOptions options{std::llround(kLimit * 1e8), static_cast<std::int32_t>(kCell * 100), -50'000'000,
+                                -400'000'000, true};
   const Thinning thinning = thin(all.position, all.height, convex_hull(all.position), options);
   EXPECT_TRUE(thinning.unsettled.empty());
   Whole out;
@@ -89,7 +89,7 @@ nlohmann::json report_of(const PipelineOptions& options) {
 class TiledThinning : public ::testing::TestWithParam<CloudKind> {};
 
 TEST_P(TiledThinning, EqualsThinningInMemory) {
-  for (const int k : {0, 2, 3}) {
+  for (const int k : {0, 3}) {
     SCOPED_TRACE(k);
     const TemporaryFolder folder;
     const Survey survey = survey_of(folder, GetParam(), 10 + static_cast<std::uint64_t>(k));
@@ -97,7 +97,7 @@ TEST_P(TiledThinning, EqualsThinningInMemory) {
     std::optional<testing::Monolith> expected;
     nlohmann::json totals;
     int run = 0;
-    for (const std::uint64_t target : {1'000'000, 4'000, 1'000}) {
+    for (const std::uint64_t target : {1'000'000, 3'000, 1'500}) {
       PipelineOptions options = options_of(survey, folder / ("out" + std::to_string(target)), k, target);
       options.run.workers = 1 + run;
       options.run.memory_bytes = std::uint64_t{run == 1 ? 64U : 4096U} << 20;
@@ -191,8 +191,9 @@ TEST(ThinnedRun, ReferencePointsAreThoseAskedFor) {
   const Survey held_out = survey_of(folder, CloudKind::uniform, 5, 1'000);
   const auto with = [&](bool removed, bool files, int k) {
     PipelineOptions options = options_of(survey, folder / "out", k, 3'000);
-    if (files) options.triangulation.reference = testing::write_files(folder, held_out.points.position,
-                                                                      held_out.points.height, 1, "held_out_");
+    if (files)
+      options.triangulation.reference =
+          testing::write_files(folder, held_out.points.position, held_out.points.height, 1, "held_out_");
     options.triangulation.removed_reference = removed;
     std::filesystem::remove_all(folder / "out");
     EXPECT_TRUE(testing::run(options).ok);
@@ -202,7 +203,7 @@ TEST(ThinnedRun, ReferencePointsAreThoseAskedFor) {
   const std::uint64_t removed = with(true, false, 2).at("thinning").at("removed");
   const nlohmann::json both = with(true, true, 2), files = with(false, true, 2), delaunay = with(false, true, 0);
   EXPECT_EQ(both.at("triangulation").at("reference").at("points"), removed + 1'040);
-  EXPECT_NEAR(both.at("thinning").at("guaranteed_m"), kLimit, 1e-12);
+  EXPECT_TRUE(both.at("thinning").at("guaranteed_m").is_null());
   EXPECT_EQ(files.at("triangulation").at("reference").at("points"), 1'040);
   EXPECT_TRUE(files.at("thinning").at("guaranteed_m").is_null());
   EXPECT_EQ(files.at("thinning").at("beyond_guarantee"), 0);
@@ -247,8 +248,7 @@ TEST(ThinnedRun, CheckMeasuresTheRemovedPointsAgain) {
     EXPECT_EQ(summary.ok, summary.problems.empty());
     return all;
   };
-  const store::Reader index(folder / "out/terrain/index.h5");
-  const std::int64_t removed = index.integer("removed");
+  const std::int64_t removed = store::Reader(folder / "out/terrain/index.h5").integer("removed");
   EXPECT_NE(state("removed_limit_millionths", std::int64_t{20'000'000}).find("farther from the terrain than promised"),
             std::string::npos);
   EXPECT_EQ(state("removed_limit_millionths", std::int64_t{30'000'000}), "");

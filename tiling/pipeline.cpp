@@ -21,6 +21,10 @@ void check(const PipelineOptions& options) {
   if (options.triangulation.order < 0 || options.triangulation.order > 6)
     fail("triangulation.order: " + std::to_string(options.triangulation.order) + " is not possible; give 0 to 6");
   if (const auto objection = objection_to_run(options.triangulation)) fail("triangulation.objective: " + *objection);
+  if (const auto limit = options.thin.vertical_error_m; limit && !(*limit >= 0))
+    fail("thin.vertical_error_m: give a length from 0 on");
+  if (const auto cell = options.thin.cell_m; cell && !(*cell > 0))
+    fail("thin.cell_m: a cell must have a positive size");
   if (const auto limit = options.triangulation.max_error_m) {
     if (!(*limit >= 0)) fail("triangulation.max_error_m: give a length from 0 on");
     if (!options.triangulation.has_reference())
@@ -29,10 +33,6 @@ void check(const PipelineOptions& options) {
   if (options.input.dem_band < 1) fail("input.dem_band: bands count from 1");
   if (!(options.input.dem_quantum_m >= 1e-6 && options.input.dem_quantum_m <= 1e3))
     fail("input.dem_quantum_m: give a length from 0.000001 to 1000");
-  if (const auto limit = options.thin.vertical_error_m; limit && !(*limit >= 0))
-    fail("thin.vertical_error_m: give a length from 0 on");
-  if (const auto cell = options.thin.cell_m; cell && !(*cell > 0))
-    fail("thin.cell_m: a cell must have a positive size");
   if (options.triangulation.removed_reference && !options.thin.vertical_error_m)
     fail(
         "triangulation.reference: no point is removed that could be one; set thin.vertical_error_m, or leave out "

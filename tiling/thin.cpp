@@ -102,15 +102,23 @@ ThinningOptions thinning_options(const RunContext& context) {
   ThinningOptions out;
   out.limit_millionths = limit_in_millionths(context);
   out.cell = static_cast<std::int32_t>(std::max(1.0, std::round(side)));
-  // Cells lie at multiples of their side, whatever the base of the lattice.
-  out.grid_x = -(l.base_x % out.cell);
-  out.grid_y = -(l.base_y % out.cell);
+  // Cells lie at multiples of their side from (0, 0) of the CRS, as near as the lattice comes to it, whatever its base.
+  const auto units = [&](double offset) {
+    const double n = std::round(offset / l.scale_xy);
+    return std::fabs(n) < 0x1p52 ? static_cast<std::int64_t>(n) : 0;
+  };
+  out.grid_x = -l.base_x - units(l.offset_x);
+  out.grid_y = -l.base_y - units(l.offset_y);
   out.prune = thin.prune;
   return out;
 }
 
 std::optional<ErrorLimit> guaranteed_error(const RunContext& context) {
-  if (context.options.triangulation.removed_reference) return polygon_options(context).max_error;
+  // With other reference points, or a stricter limit, there may be polygons in which it cannot be kept.
+  const auto limit = polygon_options(context).max_error;
+  if (context.options.triangulation.removed_reference && !context.plan.has_reference() && limit &&
+      limit->millionths >= limit_in_millionths(context))
+    return limit;
   const Objectives& objectives = context.options.triangulation.objectives;
   const bool is_delaunay = context.options.triangulation.order == 0 || objectives == Objectives{Objective::delaunay};
   if (is_delaunay) return ErrorLimit{limit_in_millionths(context)};

@@ -18,8 +18,9 @@ namespace hydrotin {
 /// In squared lattice units.
 [[nodiscard]] double hull_area(const Outline& outline);
 
-/// What no point removed may exceed in the TIN before its heights are edited: the limit on reference points where these
-/// are among them, that of thinning for Delaunay triangulations, else nothing.
+/// What no point removed may exceed in the TIN before its heights are edited: the limit on reference points if they are
+/// those and it is no stricter than that of thinning, which is kept by all Delaunay triangles; that of thinning for
+/// Delaunay triangulations; else nothing.
 [[nodiscard]] std::optional<ErrorLimit> guaranteed_error(const RunContext& context);
 
 }  // namespace hydrotin

@@ -9,8 +9,8 @@ namespace {
 constexpr std::size_t kMostNeighbors = 64;
 
 // Spreads places evenly, so that ties on flat ground do not make long queues.
-std::uint64_t scattered(LatticePoint p) {
-  std::uint64_t h = (std::uint64_t{static_cast<std::uint32_t>(p.x)} << 32) | static_cast<std::uint32_t>(p.y);
+std::uint64_t scattered(std::int64_t x, std::int64_t y) {
+  std::uint64_t h = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15ULL + static_cast<std::uint64_t>(y);
   h = (h ^ (h >> 33)) * 0xff51afd7ed558ccdULL;
   h = (h ^ (h >> 33)) * 0xc4ceb9fe1a85ec53ULL;
   return h ^ (h >> 33);
@@ -52,9 +52,13 @@ class Pruning {
     if (error_[v] >= 0) may_go_[v] = kYes;
   }
 
+  [[nodiscard]] std::uint64_t number_of(LatticePoint p) const {
+    return scattered(p.x - state_.origin_x, p.y - state_.origin_y);
+  }
+
   [[nodiscard]] bool goes_first(std::uint32_t v, std::uint32_t w) const {
     if (error_[v] != error_[w]) return error_[v] < error_[w];
-    const std::uint64_t a = scattered(mesh_.at(v)), b = scattered(mesh_.at(w));
+    const std::uint64_t a = number_of(mesh_.at(v)), b = number_of(mesh_.at(w));
     return a != b ? a < b : mesh_.at(v) < mesh_.at(w);
   }
 

@@ -13,8 +13,9 @@ namespace hydrotin::thinning {
 
 struct RoundState {
   ThinMesh& mesh;
-  DoubtMap* doubt = nullptr;  ///< nothing: all points are known
-  std::int32_t near = 0;      ///< no local triangle at a point reaches farther
+  DoubtMap* doubt = nullptr;                ///< nothing: all points are known
+  std::int32_t near = 0;                    ///< no local triangle at a point reaches farther
+  std::int64_t origin_x = 0, origin_y = 0;  ///< of the grid
   std::vector<PointFate> fate;
   std::vector<std::uint8_t> round, doubtful;
   std::uint32_t rounds = 0, pruning_rounds = 0;

@@ -109,6 +109,8 @@ Thinning run(const CurveOrder& points, std::vector<PointFate> fate, const Thinni
   RoundState state{mesh,
                    doubt ? &*doubt : nullptr,
                    static_cast<std::int32_t>(2 * kLocalCells * options.cell + 4),
+                   options.grid_x,
+                   options.grid_y,
                    std::move(fate),
                    std::vector<std::uint8_t>(n, 0),
                    std::vector<std::uint8_t>(n, 0)};

@@ -232,9 +232,9 @@ class NaiveThinning {
 
   static bool has(const Tri& t, int v) { return std::count(t.begin(), t.end(), v) > 0; }
 
-  static std::uint64_t number(LatticePoint p) {
-    std::uint64_t h =
-        static_cast<std::uint64_t>(static_cast<std::uint32_t>(p.x)) * 4294967296U + static_cast<std::uint32_t>(p.y);
+  [[nodiscard]] std::uint64_t number(LatticePoint p) const {
+    std::uint64_t h = static_cast<std::uint64_t>(p.x - options_.grid_x) * 0x9e3779b97f4a7c15ULL +
+                      static_cast<std::uint64_t>(p.y - options_.grid_y);
     for (const std::uint64_t factor : {0xff51afd7ed558ccdULL, 0xc4ceb9fe1a85ec53ULL})
       h = (h ^ (h / 8589934592U)) * factor;
     return h ^ (h / 8589934592U);

@@ -16,7 +16,7 @@
 ///   eager    all proposals are accepted; last of all, every point beyond the limit;
 ///   pruning  a vertex may go if its Delaunay triangles and those that would take their place are local and every point
 ///            below them, itself included, stays within the limit; of neighbours that may go the one with the smallest
-///            greatest error goes (ties by a number made from (x, y)).
+///            greatest error goes (ties by a number made from the place in the grid).
 /// A triangle is *local* if its circumradius is at most two cells. Others span voids and the rim of the data: points in
 /// them are accepted at once.
 ///
@@ -48,7 +48,7 @@ inline constexpr std::int64_t kBlockCells = 64, kBlockMargin = 8;  ///< side of 
 struct ThinningOptions {
   std::int64_t limit_millionths = 0;    ///< eps in millionths of a unit of z, from 0 to 2^51
   std::int32_t cell = 1;                ///< side of a grid cell, 1 to 2^28
-  std::int64_t grid_x = 0, grid_y = 0;  ///< a corner of the grid
+  std::int64_t grid_x = 0, grid_y = 0;  ///< the corner of cell (0, 0)
   bool prune = true;
 };
 

@@ -102,10 +102,27 @@ run: {workers: 3, memory: 500MB, scratch: /tmp/w}
   EXPECT_EQ(options.run.scratch, "/tmp/w");
 }
 
-TEST(Config, Errors_NameLineAndColumn) {
+TEST(Config, RastersMayStandForPoints) {
+  const TemporaryFolder folder;
+  write_text(folder / "c.yaml",
+             "input: {dem: [a.tif, /vsizip/b.zip/b.tif], dem_band: 2, dem_quantum_m: 0.01, dem_nodata: -32768}\n");
+  const PipelineOptions options = read_config(folder / "c.yaml", {});
+  EXPECT_TRUE(options.input.points.empty());
+  EXPECT_EQ(options.input.dem, (std::vector<std::string>{(folder / "a.tif").string(), "/vsizip/b.zip/b.tif"}));
+  EXPECT_EQ(options.input.dem_band, 2);
+  EXPECT_EQ(options.input.dem_quantum_m, 0.01);
+  EXPECT_EQ(options.input.dem_nodata, -32768);
   EXPECT_EQ(
-      config_error("input:\n  points: a.laz\n  clases: [2]\n"),
-      "c.yaml:3:3: unknown key 'clases' in input (allowed: points, classes, rivers, lakes, crs, withheld, synthetic)");
+      config_error("input: {dem: []}\n"),
+      "c.yaml:1:14: input.dem: a list is not possible (allowed: a list of rasters or patterns that is not empty)");
+  EXPECT_EQ(config_error("input: {dem: a.tif, dem_band: 0}\n"),
+            "c.yaml:1:31: input.dem_band: '0' is not possible (allowed: an integer from 1 to 100000)");
+}
+
+TEST(Config, Errors_NameLineAndColumn) {
+  EXPECT_EQ(config_error("input:\n  points: a.laz\n  clases: [2]\n"),
+            "c.yaml:3:3: unknown key 'clases' in input (allowed: points, dem, dem_band, dem_quantum_m, dem_nodata, "
+            "classes, rivers, lakes, crs, withheld, synthetic)");
   EXPECT_EQ(config_error(kMinimal + "triangulation:\n  order: two\n"),
             "c.yaml:3:10: triangulation.order: 'two' is not possible (allowed: an integer from 0 to 6)");
   EXPECT_EQ(config_error(kMinimal + "triangulation: {order: 7}\n"),
@@ -160,7 +177,7 @@ TEST(Config, Errors_NameLineAndColumn) {
   EXPECT_EQ(config_error(kMinimal + "run: {workers: 0}\n"),
             "c.yaml:2:16: run.workers: '0' is not possible (allowed: auto, or an integer from 1 to 1024)");
   EXPECT_EQ(config_error(kMinimal + "surprise: 1\n"),
-            "c.yaml:2:1: unknown key 'surprise' in the config (allowed: input, output, tiles, triangulation, rivers, "
+            "c.yaml:2:1: unknown key 'surprise' in the config (allowed: input, output, tiles, thin, triangulation, rivers, "
             "pits, run)");
   EXPECT_EQ(config_error("input:\n  points: [a.laz, [b]]\n").rfind("c.yaml:2:19: input.points: every item", 0), 0U);
   EXPECT_EQ(config_error("input: {points: []}\n").rfind("c.yaml:1:17: input.points: a list is not possible", 0), 0U);

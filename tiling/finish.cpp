@@ -111,6 +111,13 @@ void write_vertices(store::Writer& out, const Part& part, std::span<const std::i
   out.append("foreign_height", height.subspan(part.num_own), "z lattice, final height");
 }
 
+void write_removed(const RunContext& context, std::uint32_t tile, store::Writer& out) {
+  if (!context.thins()) return;
+  const store::Reader in(context.points_unit(tile));
+  const TilePoints removed = read_points(in, 0, in.size(std::string(kRemoved) + "x"), kRemoved);
+  write_points(out, removed.position, removed.height, kRemoved);
+}
+
 void write_triangles(store::Writer& out, const Part& part) {
   const auto num_own_points = static_cast<std::uint32_t>(part.own.position.size());
   const auto reference = [&](std::uint32_t v) {
@@ -207,6 +214,7 @@ void finish_tile(const RunContext& context, std::uint32_t tile) {
   out.set("crs", context.plan.crs.size() < 60000 ? context.plan.crs : std::string());
   write_lattice(out, context.plan.lattice);
   write_vertices(out, part, height);
+  write_removed(context, tile, out);
   write_triangles(out, part);
   write_pits_before(context, tile, part, level, out);
   set_figures(context, part, height, is_outlet, out);

@@ -21,26 +21,49 @@ void check(const PipelineOptions& options) {
   if (options.triangulation.order < 0 || options.triangulation.order > 6)
     fail("triangulation.order: " + std::to_string(options.triangulation.order) + " is not possible; give 0 to 6");
   if (const auto objection = objection_to_run(options.triangulation)) fail("triangulation.objective: " + *objection);
+  if (const auto limit = options.thin.vertical_error_m; limit && !(*limit >= 0))
+    fail("thin.vertical_error_m: give a length from 0 on");
+  if (const auto cell = options.thin.cell_m; cell && !(*cell > 0))
+    fail("thin.cell_m: a cell must have a positive size");
   if (const auto limit = options.triangulation.max_error_m) {
     if (!(*limit >= 0)) fail("triangulation.max_error_m: give a length from 0 on");
-    if (options.triangulation.reference.empty())
+    if (!options.triangulation.has_reference())
       fail("triangulation.max_error_m: errors are those of reference points; give triangulation.reference");
   }
+  if (options.input.dem_band < 1) fail("input.dem_band: bands count from 1");
+  if (!(options.input.dem_quantum_m >= 1e-6 && options.input.dem_quantum_m <= 1e3))
+    fail("input.dem_quantum_m: give a length from 0.000001 to 1000");
+  if (options.triangulation.removed_reference && !options.thin.vertical_error_m)
+    fail(
+        "triangulation.reference: no point is removed that could be one; set thin.vertical_error_m, or leave out "
+        "'removed'");
   if (options.tiles.target_points < 1000)
     fail("tiles.target_points: " + std::to_string(options.tiles.target_points) + " is too few; give 1,000 or more");
   if (!(options.output.dem.cell_m > 0)) fail("output.dem.cell_m: a cell must have a positive size");
   if (!(options.output.dem.max_edge_m >= 0)) fail("output.dem.max_edge_m: give a length, or 0 for no limit");
 }
 
-RunContext plan_context(const PipelineOptions& options) {
+// What thinning implies: the points removed are reference points unless others are named, and its limit is theirs.
+PipelineOptions settled(PipelineOptions options) {
+  TriangulationOptions& triangulation = options.triangulation;
+  if (!options.thin.vertical_error_m) return options;
+  if (!triangulation.has_reference()) triangulation.removed_reference = true;
+  if (triangulation.removed_reference && !triangulation.max_error_m)
+    triangulation.max_error_m = options.thin.vertical_error_m;
+  return options;
+}
+
+RunContext plan_context(const PipelineOptions& given) {
+  const PipelineOptions options = settled(given);
   check(options);
-  return {options, Layout(options), make_plan(options), {}};
+  return {options, Layout(options), make_plan(options), {}, {}};
 }
 
 // The plan that a job array agreed on, and the outline if it is there.
-RunContext stored_context(const PipelineOptions& options) {
+RunContext stored_context(const PipelineOptions& given) {
+  const PipelineOptions options = settled(given);
   check(options);
-  RunContext context{options, Layout(options), {}, {}};
+  RunContext context{options, Layout(options), {}, {}, {}};
   context.plan = load_plan(context.layout.unit(Phase::plan, 0));
   return context;
 }
@@ -52,11 +75,20 @@ void require_memory(const RunContext& context) {
   (void)tiles_in_flight(context.options.run, *worst, static_cast<std::uint64_t>(worst - expected.begin()));
 }
 
+Outline outline_by(const RunContext& context, Phase phase) {
+  Outline out = load_outline(context.layout.unit(phase, 0));
+  if (out.count.size() != context.plan.num_tiles())
+    throw Error(ErrorKind::storage, context.layout.unit(phase, 0) + ": it does not fit the plan; run the phase " +
+                                        std::string(name(phase)) + " again");
+  return out;
+}
+
 void load_outline_into(RunContext& context) {
-  context.outline = load_outline(context.layout.unit(Phase::outline, 0));
-  if (context.outline.count.size() != context.plan.num_tiles())
-    throw Error(ErrorKind::storage,
-                context.layout.unit(Phase::outline, 0) + ": it does not fit the plan; run the phase outline again");
+  context.outline = outline_by(context, Phase::outline);
+}
+
+void load_survey_into(RunContext& context) {
+  context.survey = outline_by(context, Phase::survey);
 }
 
 // Nothing is left to do if the index and everything it lists are complete and were made from the same.
@@ -89,7 +121,7 @@ std::optional<std::string> objection_to_run(const TriangulationOptions& options)
       default:
         break;
     }
-    if (needs_reference(objective) && options.reference.empty())
+    if (needs_reference(objective) && !options.has_reference())
       return quoted + " needs reference points; give their files as triangulation.reference";
   }
   if (const auto objection = objection_to(objectives))
@@ -103,7 +135,7 @@ PlanSummary plan_run(const PipelineOptions& options) {
   PlanSummary out;
   std::uint64_t reference = 0;
   for (const PlanFile& f : plan.files) {
-    out.files += !f.is_reference;
+    out.files += !f.is_reference && f.is_first();
     (f.is_reference ? reference : out.points) += f.points;
   }
   out.tiles = plan.num_tiles();
@@ -118,7 +150,7 @@ PlanSummary plan_run(const PipelineOptions& options) {
   out.disk_bytes = static_cast<std::uint64_t>(kBytesPerPoint * points);
   out.seconds = kSecondsPerPoint * points / worker_count(options.run);
   out.crs = plan.crs;
-  for (std::size_t p = 0; p < kNumPhases; ++p) out.units.push_back(num_units(plan, static_cast<Phase>(p)));
+  for (std::size_t p = 0; p < kNumPhases; ++p) out.units.push_back(num_units(context, static_cast<Phase>(p)));
   return out;
 }
 
@@ -131,7 +163,9 @@ DatasetSummary run_pipeline(const PipelineOptions& options, const RunControl& co
   require_memory(context);
   for (std::size_t p = 0; p <= static_cast<std::size_t>(control.until); ++p) {
     const auto phase = static_cast<Phase>(p);
+    if (num_units(context, phase) == 0) continue;
     run_units(context, phase, 0, 1, control.overwrite, progress);
+    if (phase == Phase::survey) load_survey_into(context);
     if (phase == Phase::outline) load_outline_into(context);
   }
   if (control.until != Phase::report) return {};
@@ -144,6 +178,7 @@ void run_phase(const PipelineOptions& options, Phase phase, std::uint64_t task, 
     throw Error(ErrorKind::config,
                 "task " + std::to_string(task) + " of " + std::to_string(of) + " does not exist; tasks count from 0");
   RunContext context = phase == Phase::plan ? plan_context(options) : stored_context(options);
+  if (phase > Phase::survey && context.thins()) load_survey_into(context);
   if (phase > Phase::outline) load_outline_into(context);
   run_units(context, phase, task, of, false, progress);
 }
@@ -154,7 +189,7 @@ std::vector<PhaseStatus> pipeline_status(const PipelineOptions& options) {
   for (std::size_t p = 0; p < kNumPhases; ++p) {
     PhaseStatus status;
     status.phase = static_cast<Phase>(p);
-    status.units = num_units(context.plan, status.phase);
+    status.units = num_units(context, status.phase);
     const std::string recipe = p == 0 ? context.plan.recipe : context.recipe(status.phase);
     for (std::uint64_t unit = 0; unit < status.units; ++unit) {
       const fs::path path = context.layout.unit(status.phase, unit);

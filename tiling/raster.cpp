@@ -7,6 +7,7 @@
 #include "hydrotin/raster_frame.h"
 #include "hydrotin/rasterize.h"
 #include "leftovers.h"
+#include "part_bounds.h"
 #include "phases.h"
 #include "terrain_file.h"
 
@@ -24,14 +25,6 @@ LatticeBox with_far_sides(LatticeBox box) {
   if (box.max.x < kMost) ++box.max.x;
   if (box.max.y < kMost) ++box.max.y;
   return box;
-}
-
-std::vector<LatticeBox> bounds_of_parts(const RunContext& context) {
-  const store::Reader in(context.layout.unit(Phase::drain, 0));
-  auto bounds = unflatten(in.read<std::int32_t>("tile_bounds"));
-  if (bounds.size() != context.plan.num_tiles())
-    throw Error(ErrorKind::storage, in.path() + ": its bounds are not one per tile; delete the file and run again");
-  return bounds;
 }
 
 // A raster is made in bands of rows of about so many cells: a tile may be mostly void and wider than memory.

@@ -16,8 +16,12 @@ namespace hydrotin {
 namespace {
 
 bool is_single(Phase phase) {
-  return phase == Phase::plan || phase == Phase::outline || phase == Phase::join || phase == Phase::mend ||
-         phase == Phase::drain || phase == Phase::report;
+  return phase == Phase::plan || phase == Phase::survey || phase == Phase::outline || phase == Phase::join ||
+         phase == Phase::mend || phase == Phase::drain || phase == Phase::report;
+}
+
+bool is_of_thinning(Phase phase) {
+  return phase == Phase::survey || phase == Phase::thin || phase == Phase::verify;
 }
 
 void do_unit(const RunContext& context, Phase phase, std::uint32_t unit) {
@@ -28,6 +32,10 @@ void do_unit(const RunContext& context, Phase phase, std::uint32_t unit) {
       return ingest_file(context, unit);
     case Phase::arrange:
       return arrange_tile(context, unit);
+    case Phase::survey:
+      return survey_points(context);
+    case Phase::thin:
+      return thin_tile(context, unit);
     case Phase::outline:
       return make_outline(context);
     case Phase::triangulate:
@@ -44,6 +52,8 @@ void do_unit(const RunContext& context, Phase phase, std::uint32_t unit) {
       return drain_tiles(context);
     case Phase::finish:
       return finish_tile(context, unit);
+    case Phase::verify:
+      return verify_tile(context, unit);
     case Phase::raster:
       return rasterize_tile(context, unit);
     case Phase::report:
@@ -51,12 +61,18 @@ void do_unit(const RunContext& context, Phase phase, std::uint32_t unit) {
   }
 }
 
+// Points of the tiles: as counted last, or as expected.
+const std::vector<std::uint64_t>& counts_known(const RunContext& context) {
+  if (!context.outline.count.empty()) return context.outline.count;
+  return context.survey.count.empty() ? context.plan.expected : context.survey.count;
+}
+
 std::uint64_t work_of(const RunContext& context, Phase phase, std::uint64_t unit) {
   if (phase == Phase::ingest) return context.plan.files[unit].points;
-  const bool counted = !context.outline.count.empty();
-  if (!is_single(phase)) return counted ? context.outline.count[unit] : context.plan.expected[unit];
+  const std::vector<std::uint64_t>& count = counts_known(context);
+  if (!is_single(phase)) return count[unit];
   std::uint64_t all = 0;
-  for (const std::uint64_t n : counted ? context.outline.count : context.plan.expected) all += n;
+  for (const std::uint64_t n : count) all += n;
   return all;
 }
 
@@ -67,7 +83,7 @@ std::uint32_t units_at_once(const RunContext& context, Phase phase) {
     return std::clamp<std::uint32_t>(static_cast<std::uint32_t>(context.options.run.memory_bytes / kFileNeed), 1,
                                      worker_count(context.options.run));
   }
-  std::vector<std::uint64_t> count = context.outline.count.empty() ? context.plan.expected : context.outline.count;
+  std::vector<std::uint64_t> count = counts_known(context);
   if (!context.outline.count.empty())
     for (std::size_t t = 0; t < count.size(); ++t) count[t] += context.outline.reference_count[t] / kReferencePerPoint;
   const auto largest = std::max_element(count.begin(), count.end());
@@ -112,14 +128,16 @@ std::uint32_t tiles_in_flight(const ExecutionOptions& run, std::uint64_t largest
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(run.memory_bytes / need, worker_count(run)));
 }
 
-std::uint64_t num_units(const Plan& plan, Phase phase) {
+std::uint64_t num_units(const RunContext& context, Phase phase) {
+  if (is_of_thinning(phase) && !context.thins()) return 0;
+  const Plan& plan = context.plan;
   return is_single(phase) ? 1 : phase == Phase::ingest ? plan.files.size() : plan.num_tiles();
 }
 
 void run_units(const RunContext& context, Phase phase, std::uint64_t task, std::uint64_t of, bool force,
                Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
-  const std::uint64_t end = num_units(context.plan, phase);
+  const std::uint64_t end = num_units(context, phase);
   const std::string recipe = phase == Phase::plan ? context.plan.recipe : context.recipe(phase);
   std::uint64_t units = 0, work = 0;
   for (std::uint64_t unit = task; unit < end; unit += of, ++units) work += work_of(context, phase, unit);

@@ -22,7 +22,7 @@ namespace hydrotin {
 [[nodiscard]] std::uint32_t worker_count(const ExecutionOptions& run);
 
 /// Number of units of a phase.
-[[nodiscard]] std::uint64_t num_units(const Plan& plan, Phase phase);
+[[nodiscard]] std::uint64_t num_units(const RunContext& context, Phase phase);
 
 /// Share `task` of `of` of the units of one phase. Units whose output has the right recipe are skipped unless `force`.
 /// A unit that fails leaves a note beside its output, stops the phase and is thrown on.

@@ -13,7 +13,9 @@ enum class Phase : std::uint8_t {
   plan,         ///< 1 unit: check the inputs, cut the tiles
   ingest,       ///< a unit per input file: decode, filter, bucket by tile
   arrange,      ///< a unit per tile: merge, remove duplicates, sort along the curve
-  outline,      ///< 1 unit: boxes, counts and convex hull of everything
+  survey,       ///< 1 unit if points are thinned, else none: boxes, counts and convex hull of all points
+  thin,         ///< a unit per tile if points are thinned, else none: which points the TIN needs
+  outline,      ///< 1 unit: boxes, counts and convex hull of all vertices
   triangulate,  ///< a unit per tile
   join,         ///< 1 unit: which border pieces form one polygon, and who solves it
   seam,         ///< a unit per tile: the polygons that cross tiles
@@ -21,13 +23,14 @@ enum class Phase : std::uint8_t {
   spill,        ///< a unit per tile: its merge tree reduced to its rim
   drain,        ///< 1 unit: spill level of every rim vertex
   finish,       ///< a unit per tile: final heights, mesh
+  verify,       ///< a unit per tile if points are thinned, else none: errors of the points removed
   raster,       ///< a unit per tile: DEM
   report        ///< 1 unit: COG, hillshade, layers, figures
 };
 
-inline constexpr std::array<std::string_view, 13> kPhaseNames = {
-    "plan", "ingest", "arrange", "outline", "triangulate", "join",  "seam",
-    "mend", "spill",  "drain",   "finish",  "raster",      "report"};
+inline constexpr std::array<std::string_view, 16> kPhaseNames = {
+    "plan", "ingest", "arrange", "survey", "thin",   "outline", "triangulate", "join",
+    "seam", "mend",   "spill",   "drain",  "finish", "verify",  "raster",      "report"};
 inline constexpr std::size_t kNumPhases = kPhaseNames.size();
 
 [[nodiscard]] constexpr std::string_view name(Phase phase) {

@@ -84,8 +84,9 @@ void warn(const EmbedInput& input, const Embedding& embedding) {
     }
     const BrokenRow& broken = embedding.broken[i];
     const auto& place = input.position[broken.vertex.front()];
-    fmt::print(stderr, "hydrotin: near x {} y {}: the {} row of vertices {} contradicts others: {} m are missing{}\n",
-               place[0], place[1], name_of(broken.kind), fmt::join(broken.vertex, ", "), broken.missing,
+    fmt::print(stderr, "hydrotin: near x {} y {}: the {} row of vertices {} {}: {} m are missing{}\n", place[0],
+               place[1], name_of(broken.kind), fmt::join(broken.vertex, ", "),
+               embedding.optimal ? "contradicts others" : "does not hold yet", broken.missing,
                broken.is_strict_part ? " of what goes beyond the weak row" : "");
   }
 }

@@ -235,7 +235,7 @@ void print_fill(const EmbedResult& result) {
 
 /// The tables of Section 7.2, a river a line.
 void print_rivers(const NamedRivers& rivers) {
-  if (rivers.name.size() < 2 && rivers.name[0].starts_with("network")) return;
+  if (rivers.name.empty() || (rivers.name.size() == 1 && rivers.name[0].starts_with("network"))) return;
   fmt::print("\n{:<28}{:>7}{:>11}  {:>13}{:>13}{:>11}{:>11}{:>9}{:>11}{:>9}\n", "river", "edges", "length",
              "wrong flow", "not valley", "flat", "leaks", "moved", "change", "average");
   for (std::size_t i = 0; i < rivers.name.size(); ++i) {

@@ -165,7 +165,7 @@ TEST(Config, Errors_NameLineAndColumn) {
             "1000000)");
   EXPECT_EQ(config_error(kMinimal + "triangulation: 3\n"),
             "c.yaml:2:16: triangulation: '3' is not possible (allowed: a section with order, objective, reference, "
-            "max_error_m)");
+            "max_error_m, budget)");
   EXPECT_EQ(config_error(kMinimal + "output: {dem: {cell_m: -1}}\n"),
             "c.yaml:2:24: output.dem.cell_m: '-1' is not possible (allowed: a length in metres from 0.001 to 1000000)");
   EXPECT_EQ(config_error(kMinimal + "output: {dem: {cell_m: nan}}\n").rfind("c.yaml:2:24: ", 0), 0U);
@@ -226,6 +226,13 @@ TEST(Config, Set_OverridesAndIsNamedInErrors) {
   EXPECT_EQ(limited.objectives, (Objectives{Objective::local_minima, Objective::min_squared_error}));
   EXPECT_EQ(limited.reference, (std::vector<std::string>{(folder / "a.las").string(), "/data/b*.laz"}));
   EXPECT_EQ(limited.max_error_m, 0.2);
+  EXPECT_EQ(limited.budget, PolygonBudget{});
+  EXPECT_EQ(options_of(folder, kMinimal, {"triangulation.budget.ways=3", "triangulation.budget.columns=100"})
+                .triangulation.budget,
+            (PolygonBudget{.max_ways = 3, .max_program = 100}));
+  EXPECT_EQ(
+      config_error(kMinimal + "triangulation: {budget: {triangles: 0}}\n"),
+      "c.yaml:2:37: triangulation.budget.triangles: '0' is not possible (allowed: an integer from 1 to 2147483648)");
   EXPECT_EQ(options_of(folder, kMinimal + "triangulation:\n  objective:\n    - max-min-angle\n    - local-minima\n")
                 .triangulation.objectives,
             (Objectives{Objective::max_min_angle, Objective::local_minima}));
@@ -234,7 +241,7 @@ TEST(Config, Set_OverridesAndIsNamedInErrors) {
             "--set triangulation.order: triangulation.order: '9' is not possible (allowed: an integer from 0 to 6)");
   EXPECT_EQ(config_error(kMinimal, {"triangulation.ordr=1"}),
             "--set triangulation.ordr: unknown key 'ordr' in triangulation (allowed: order, objective, reference, "
-            "max_error_m)");
+            "max_error_m, budget)");
   EXPECT_EQ(
       config_error(kMinimal, {"triangulation={order: 9}"}).rfind("--set triangulation: triangulation.order: '9'", 0),
       0U);

@@ -107,7 +107,7 @@ TEST(EmbedCommand, Lake_FromPolygonsIsLevel) {
     EXPECT_EQ(result["heights"][v], result["heights"][3]) << v;
   EXPECT_EQ(result["heights"][9].get<double>(), terrain.height[9]);
   EXPECT_EQ(embed(folder, "tin.ply --river-edges rivers.csv --lakes none.gpkg").code, 3);
-  EXPECT_EQ(embed(folder, "tin.ply --rivers lakes.geojson").code, 2);
+  EXPECT_EQ(embed(folder, "tin.ply --rivers lakes.geojson").code, 3);
 }
 
 TEST(EmbedCommand, BadInput_GetsAClearError) {

@@ -254,7 +254,7 @@ TEST(Objectives, FallbackIsNeverWorseThanDelaunayAndBounded) {
       if (objective == Objective::delaunay) continue;
       SCOPED_TRACE(::testing::Message() << key << " seed " << seed);
       const double sign = is_maximised(objective) ? -1 : 1;
-      const auto kept = solve(terrain, 3, {.objectives = {objective}, .max_triangles = 2});
+      const auto kept = solve(terrain, 3, {.objectives = {objective}, .budget = {.max_triangles = 2}});
       const auto exact = solve(terrain, 3, {.objectives = {objective}});
       const auto plain = solve(terrain, 0, {.objectives = {objective}});
       // Flips that serve every vertex are an optimum, and no fallback.

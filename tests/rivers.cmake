@@ -2,7 +2,7 @@ find_package(Clp REQUIRED)
 hydrotin_test(rivers_test SOURCES rivers_test.cpp DEPENDS rivers PRIVATE Clp::Clp)
 if(HYDROTIN_BENCHMARKS)
   add_executable(rivers_benchmark EXCLUDE_FROM_ALL rivers_benchmark.cpp)
-  target_link_libraries(rivers_benchmark PRIVATE hydrotin::rivers Clp::Clp hydrotin::options)
+  target_link_libraries(rivers_benchmark PRIVATE hydrotin::rivers hydrotin::terrain Clp::Clp hydrotin::options)
 endif()
 
 # The command as users call it.

@@ -1,4 +1,4 @@
-#include <Clp_C_Interface.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
@@ -10,17 +10,26 @@
 #include <string>
 #include <vector>
 
+#include "full_displacement_program.h"
+#include "hydrotin/hilbert.h"
+#include "hydrotin/line_snapping.h"
+#include "hydrotin/network_cleaning.h"
 #include "hydrotin/river_embedding.h"
+#include "hydrotin/river_mouths.h"
 #include "hydrotin/river_statistics.h"
+#include "hydrotin/synthetic.h"
+#include "hydrotin/triangulation.h"
+#include "hydrotin/wingtip_clearing.h"
 
+/// rivers_benchmark network [SIDE]: drainage lines of carved mountains, snapped and embedded: seconds and memory.
 /// Lazy rows against the whole program by Clp's dual simplex, both in displacements: rivers_benchmark [SIDE].
 /// A grid of SIDE x SIDE vertices (350 gives 244k triangles) over mountains, with one long river along the valley.
 
 namespace {
 
 using namespace hydrotin;
-
-constexpr double kInfinity = std::numeric_limits<double>::max();
+using testing::full_program;
+using testing::seconds_since;
 
 struct Terrain {
   std::vector<std::array<double, 2>> position;
@@ -64,95 +73,132 @@ Terrain make_terrain(std::uint32_t side) {
   return terrain;
 }
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+// Ways down the smooth terrain from random vertices, until about so many vertices are on rivers.
+void add_brooks(const LatticeTerrain& terrain, const std::vector<double>& smooth, std::uint64_t wanted,
+                RiverPaths& paths) {
+  constexpr auto kNone = static_cast<std::uint32_t>(-1);
+  std::vector<std::uint32_t> lowest(terrain.num_vertices(), kNone);
+  for (std::uint32_t h = 0; h < terrain.triangle.size(); ++h)
+    for (const auto& [v, w] :
+         {std::pair(terrain.origin(h), terrain.target(h)), std::pair(terrain.target(h), terrain.origin(h))})
+      if (smooth[w] < smooth[v] && (lowest[v] == kNone || smooth[w] < smooth[lowest[v]])) lowest[v] = w;
+  std::vector<std::uint8_t> is_river(terrain.num_vertices(), 0);
+  std::uint64_t count = 0;
+  const auto take = [&](std::uint32_t v) {
+    count += is_river[v] == 0 ? 1 : 0;
+    return std::exchange(is_river[v], std::uint8_t{1}) == 0;
+  };
+  for (const std::uint32_t v : paths.vertex) take(v);
+  std::mt19937 random(2);
+  while (count < wanted) {
+    std::uint32_t v = static_cast<std::uint32_t>(random() % terrain.num_vertices());
+    if (is_river[v] != 0 || lowest[v] == kNone) continue;
+    paths.vertex.push_back(v);
+    take(v);
+    while (lowest[v] != kNone) {
+      v = lowest[v];
+      paths.vertex.push_back(v);
+      if (!take(v)) break;
+    }
+    paths.begin.push_back(paths.vertex.size());
+    paths.line.push_back(static_cast<std::uint32_t>(paths.line.size()));
+  }
 }
 
-// All rows and all vertices; the time is that of the simplex alone.
-double full_program(const Terrain& t, const RiverConstraints& c, double& seconds) {
-  std::vector<int> begin{0}, column;
-  std::vector<double> value, lower, upper;
-  const auto close = [&](double lo, double up) {
-    begin.push_back(static_cast<int>(column.size()));
-    lower.push_back(lo);
-    upper.push_back(up);
+// A network all over: carved mountains sampled at random in each cell of SIDE x SIDE, the drainage lines snapped to
+// them.
+void run_network(std::uint32_t side) {
+  SyntheticOptions options;
+  options.num_points = std::uint64_t{100} * side * side;
+  const SyntheticTerrain synthetic(options);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> jitter(0, 8), noise(-0.3, 0.3);
+  const double west = synthetic.box().min.x * kSyntheticScale, south = synthetic.box().min.y * kSyntheticScale;
+  std::vector<LatticePoint> points;
+  for (std::uint32_t y = 0; y < side; ++y)
+    for (std::uint32_t x = 0; x < side; ++x)
+      points.push_back({static_cast<std::int32_t>(100 * (10 * x + jitter(random))),
+                        static_cast<std::int32_t>(100 * (10 * y + jitter(random)))});
+  std::sort(points.begin(), points.end(),
+            [](LatticePoint a, LatticePoint b) { return hilbert_key(a) < hilbert_key(b); });
+  const Triangulation of = delaunay(points);
+  LatticeTerrain terrain;
+  terrain.position = of.position;
+  std::vector<double> smooth;
+  for (const LatticePoint p : of.position) {
+    smooth.push_back(synthetic.height(west + p.x / 100.0, south + p.y / 100.0));
+    terrain.height.push_back(std::round(100 * (smooth.back() + noise(random))) / 100);
+  }
+  for (const VertexId v : of.origin) terrain.triangle.push_back(v.value);
+  RiverLines lines;
+  for (const auto& river : synthetic.rivers()) {
+    std::vector<LatticePoint> chain;
+    for (const auto& p : river.line)
+      chain.push_back({static_cast<std::int32_t>(std::lround(100 * (p[0] - west))),
+                       static_cast<std::int32_t>(std::lround(100 * (p[1] - south)))});
+    lines.add(chain, static_cast<std::uint32_t>(lines.size()));
+  }
+  auto begun = std::chrono::steady_clock::now();
+  const auto lap = [&](const char* what) {
+    std::printf("%-34s %8.2f s\n", what, seconds_since(begun));
+    begun = std::chrono::steady_clock::now();
   };
-  const auto add = [&](std::uint32_t v, double a) {
-    column.push_back(static_cast<int>(2 * v));
-    value.push_back(a);
-    column.push_back(static_cast<int>(2 * v + 1));
-    value.push_back(-a);
+  link_twins(terrain);
+  CleanNetwork network;
+  {
+    const TerrainLocator locator(terrain);
+    lap("links and index");
+    SnappedLines snapped = snap_lines(locator, split_at_nodes(without_repeats(lines)));
+    lap("walk and snap");
+    add_brooks(terrain, smooth, std::uint64_t{side} * side * 9 / 100, snapped.paths);
+    lap("brooks");
+    network = clean_network(terrain.position, terrain.height, snapped.paths);
+  }
+  take_third_edges(terrain, network);
+  lap("clean");
+  Terrain t;
+  const auto place = [&] {
+    t.position.clear();
+    for (const LatticePoint p : terrain.position) t.position.push_back({p.x / 100.0, p.y / 100.0});
   };
-  double drop = 0, length = 0;
-  std::vector<char> river(t.height.size(), 0);
-  std::vector<std::pair<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>> edges;
-  for (const auto& [a, b] : t.rivers) {
-    drop += t.height[a] - t.height[b];
-    length += std::hypot(t.position[a][0] - t.position[b][0], t.position[a][1] - t.position[b][1]);
-    river[a] = river[b] = 1;
+  place();
+  const auto chain = find_outlet_chains({t.position, terrain.height, terrain.triangle}, network.edge,
+                                        rim_vertices({t.position, terrain.height, terrain.triangle}), {})
+                         .edge;
+  clear_wingtips(terrain, network.edge, chain, {});
+  place();
+  lap("mouths and wingtips");
+  const RiverTerrain view{t.position, terrain.height, terrain.triangle};
+  const auto faults = river_statistics(view, network.edge, terrain.height, 0);
+  std::printf("triangles %zu, lines %zu, river edges %zu, wrong flow %llu, not valley %llu\n",
+              terrain.triangle.size() / 3, lines.size(), network.edge.size(),
+              static_cast<unsigned long long>(faults.wrong_flow), static_cast<unsigned long long>(faults.not_valley));
+  begun = std::chrono::steady_clock::now();
+  for (const double quantum : {0.0, 0.001}) {
+    EmbeddingOptions embedding;
+    embedding.constraints.chain = chain;
+    embedding.quantum = quantum;
+    const Embedding e = embed_rivers(view, network.edge, embedding);
+    lap(quantum > 0 ? "VFRS 10 %, millimetres" : "VFRS 10 %");
+    const auto after = river_statistics(view, network.edge, e.height, quantum > 0 ? 0 : 1e-7);
+    std::printf(
+        "objective %.3f, rows %llu, columns %llu, rounds %u, components %u, invalid edges %llu, broken rows %zu\n",
+        e.objective, static_cast<unsigned long long>(e.rows), static_cast<unsigned long long>(e.columns), e.rounds,
+        e.components, static_cast<unsigned long long>(after.wrong_flow + after.not_valley), e.broken.size());
+    begun = std::chrono::steady_clock::now();
   }
-  const double slope =
-      c.decline_measure == DeclineMeasure::slope ? c.decline : std::max(0.0, c.decline * drop / length);
-  for (std::size_t i = 0; i < t.triangle.size(); i += 3)
-    for (std::size_t k = 0; k < 3; ++k)
-      edges.push_back({std::minmax(t.triangle[i + k], t.triangle[i + (k + 1) % 3]), t.triangle[i + (k + 2) % 3]});
-  std::sort(edges.begin(), edges.end());
-  for (const auto& [a, b] : t.rivers) {
-    const double x = t.position[b][0] - t.position[a][0], y = t.position[b][1] - t.position[a][1];
-    add(a, 1);
-    add(b, -1);
-    close(slope * std::hypot(x, y) - (t.height[a] - t.height[b]), kInfinity);
-    const std::pair<std::uint32_t, std::uint32_t> key = std::minmax(a, b);
-    for (auto e = std::lower_bound(edges.begin(), edges.end(), std::pair(key, 0u)); e != edges.end() && e->first == key;
-         ++e) {
-      const std::uint32_t w = e->second;
-      const double s =
-          ((t.position[w][0] - t.position[a][0]) * x + (t.position[w][1] - t.position[a][1]) * y) / (x * x + y * y);
-      add(w, 1);
-      add(a, s - 1);
-      add(b, -s);
-      close(-(t.height[w] - t.height[a] - s * (t.height[b] - t.height[a])), kInfinity);
-    }
-  }
-  for (std::size_t e = 0; c.limit_edge_slope && e < edges.size(); ++e) {
-    const auto [a, b] = edges[e].first;
-    if ((e > 0 && edges[e - 1].first == edges[e].first) || river[a] || river[b]) continue;
-    const double width = c.edge_slope_change * std::abs(t.height[a] - t.height[b]);
-    add(a, 1);
-    add(b, -1);
-    close(-width, width);
-  }
-  // By columns.
-  const std::size_t n = 2 * t.height.size();
-  std::vector<CoinBigIndex> start(n + 1, 0);
-  for (const int j : column) ++start[static_cast<std::size_t>(j) + 1];
-  for (std::size_t j = 0; j < n; ++j) start[j + 1] += start[j];
-  std::vector<int> row(column.size());
-  std::vector<double> element(column.size()), zero(n, 0), free(n, kInfinity), one(n, 1);
-  std::vector<CoinBigIndex> next(start.begin(), start.end() - 1);
-  for (std::size_t r = 0; r + 1 < begin.size(); ++r)
-    for (auto i = static_cast<std::size_t>(begin[r]); i < static_cast<std::size_t>(begin[r + 1]); ++i) {
-      const auto at = static_cast<std::size_t>(next[static_cast<std::size_t>(column[i])]++);
-      row[at] = static_cast<int>(r);
-      element[at] = value[i];
-    }
-  Clp_Simplex* model = Clp_newModel();
-  Clp_setLogLevel(model, 0);
-  Clp_loadProblem(model, static_cast<int>(n), static_cast<int>(lower.size()), start.data(), row.data(), element.data(),
-                  zero.data(), free.data(), one.data(), lower.data(), upper.data());
-  Clp_setPrimalTolerance(model, 1e-9);
-  Clp_setDualTolerance(model, 1e-9);
-  const auto begun = std::chrono::steady_clock::now();
-  Clp_dual(model, 0);
-  seconds = seconds_since(begun);
-  const double objective = Clp_objectiveValue(model);
-  Clp_deleteModel(model);
-  return objective;
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  std::printf("peak memory of the process %.2f GB\n", static_cast<double>(usage.ru_maxrss) / 1e6);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc > 1 && std::string(argv[1]) == "network") {
+    run_network(argc > 2 ? static_cast<std::uint32_t>(std::atoi(argv[2])) : 1000);
+    return 0;
+  }
   const Terrain t = make_terrain(argc > 1 ? static_cast<std::uint32_t>(std::atoi(argv[1])) : 350);
   const auto faults = river_statistics({t.position, t.height, t.triangle}, t.rivers, t.height, 0);
   std::printf("triangles %zu, river edges %zu, wrong flow %llu, not valley %llu\n", t.triangle.size() / 3,
@@ -180,7 +226,7 @@ int main(int argc, char** argv) {
     }
     std::sort(times.begin(), times.end());
     double full_seconds = 0;
-    const double full = full_program(t, options.constraints, full_seconds);
+    const double full = full_program(view, t.rivers, options.constraints, full_seconds);
     std::printf("%-10s %12.4f %12.4f %9.4f %9.3f %7.1f %7llu %7u\n", name, e.objective, full, times[1], full_seconds,
                 full_seconds / times[1], static_cast<unsigned long long>(e.rows), e.rounds);
   }

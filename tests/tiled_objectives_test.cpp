@@ -150,9 +150,10 @@ PipelineOptions options_with(const Objectives& objectives, int k, const std::str
 
 /// Cuts a terrain into several tilings and demands of each what `triangulate` gives. Returns the last of them.
 Tiled expect_monolith(const WholeTerrain& whole, const Objectives& objectives, int k, std::uint64_t seed,
-                      const std::vector<int>& depths) {
+                      const std::vector<int>& depths, const PolygonBudget& budget = {}) {
   const PointSetTriangulation expected =
-      triangulate(whole.position, whole.height, PointSetOptions{.order = k, .polygon = {.objectives = objectives}});
+      triangulate(whole.position, whole.height,
+                  PointSetOptions{.order = k, .polygon = {.objectives = objectives, .budget = budget}});
   const Counts counts = count_whole(whole.position, k);
   const Triangles triangles = canonical(expected.triangles);
   std::optional<Tiled> first;
@@ -161,8 +162,9 @@ Tiled expect_monolith(const WholeTerrain& whole, const Objectives& objectives, i
     SCOPED_TRACE(::testing::Message() << "k " << k << " objectives " << name(objectives) << " seed " << seed
                                       << " depth " << depth);
     const TemporaryFolder folder;
-    const CutTerrain cut =
-        testing::cut_terrain(whole, options_with(objectives, k, folder / "out"), Lattice{}, seed + 1, depth);
+    PipelineOptions options = options_with(objectives, k, folder / "out");
+    options.triangulation.budget = budget;
+    const CutTerrain cut = testing::cut_terrain(whole, options, Lattice{}, seed + 1, depth);
     got = run_tiled(cut);
     EXPECT_EQ(canonical(got.triangles), triangles);
     EXPECT_EQ(got.figures.polygons, expected.polygons);
@@ -287,6 +289,15 @@ TEST(TiledMinima, NothingIsMendedWhereNothingIsLeft) {
   EXPECT_EQ(mend.size("polygon"), 0U);
   EXPECT_EQ(mend.size("position"), 0U);
   EXPECT_EQ(mend.integer("changed"), 0);
+}
+
+TEST(TiledObjectives, BudgetsAreTheSameForEveryTiling) {
+  for (const auto kind : {CloudKind::uniform, CloudKind::scanlines})
+    for (const Objective objective : {Objective::min_weight, Objective::local_minima, Objective::max_min_angle}) {
+      const Tiled got =
+          expect_monolith(terrain_of(kind, 61, 1'500, 40), {objective}, 3, 61, {0, 2}, {.max_triangles = 20});
+      EXPECT_GT(got.figures.fallbacks, 0U);
+    }
 }
 
 nlohmann::json report_of(const PipelineOptions& options) {

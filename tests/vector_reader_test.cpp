@@ -69,6 +69,20 @@ TEST(VectorReader, MissingCrs_IsTheOneGivenOrThatOfTheTerrain) {
   EXPECT_EQ(taken.ring(0)[0][0], 3);
 }
 
+TEST(VectorReader, AttributesComeAsTextForEveryPart) {
+  const TemporaryFolder folder;
+  write_text(folder / "a.geojson", R"({"type":"FeatureCollection","features":[
+    {"type":"Feature","properties":{"name":"Lech","n":3},"geometry":{"type":"MultiLineString","coordinates":
+      [[[0,0],[1,1]],[[1,1],[2,2]]]}},
+    {"type":"Feature","properties":{"name":null},"geometry":{"type":"LineString","coordinates":[[0,0],[1,0]]}}]})");
+  const VectorParts parts = read_vector(folder / "a.geojson", {VectorGeometry::line, {}, {}, {"n", "name"}});
+  EXPECT_EQ(parts.value, (std::vector<std::string>{"3", "Lech", "3", "Lech", "", ""}));
+  const VectorReadOptions unknown{VectorGeometry::line, {}, {}, {"depth"}};
+  const std::string text =
+      error_of([&] { static_cast<void>(read_vector(folder / "a.geojson", unknown)); }, ErrorKind::input);
+  EXPECT_NE(text.find("depth"), std::string::npos);
+}
+
 TEST(VectorReader, BadFiles_GetAClearError) {
   const TemporaryFolder folder;
   EXPECT_NE(

@@ -20,7 +20,7 @@ bool counts_minima(const Objectives& objectives) {
 
 PolygonOptions polygon_options(const RunContext& context) {
   const TriangulationOptions& options = context.options.triangulation;
-  PolygonOptions out{.objectives = options.objectives};
+  PolygonOptions out{.objectives = options.objectives, .budget = options.budget};
   if (!options.max_error_m) return out;
   const double millionths = std::round(*options.max_error_m / context.plan.lattice.scale_z * 1e6);
   if (!(millionths < 2e15))

@@ -34,6 +34,10 @@ std::string recipe(const std::string& plan_recipe, const PipelineOptions& option
   if (phase >= Phase::triangulate)
     hash.add(std::int64_t{options.triangulation.order}).add(name(options.triangulation.objectives));
   if (phase >= Phase::triangulate) hash.add(options.triangulation.max_error_m.value_or(-1));
+  const PolygonBudget& budget = options.triangulation.budget;
+  if (phase >= Phase::triangulate)
+    for (const std::uint32_t most : {budget.max_triangles, budget.max_ways, budget.max_program, budget.max_branches})
+      hash.add(std::int64_t{most});
   if (phase >= Phase::spill)
     hash.add(static_cast<std::int64_t>(options.pits.method)).add(static_cast<std::int64_t>(options.pits.outlets));
   if (phase >= Phase::finish) hash.add(std::int64_t{options.output.mesh_ply});

@@ -236,9 +236,20 @@ void read_thin(const Reader& thin, ThinOptions& options) {
       fail(given.place(), given.name() + ": nothing is thinned (give thin.vertical_error_m)");
 }
 
+void read_budget(const Reader& budget, PolygonBudget& options) {
+  budget.require_keys({"triangles", "ways", "columns", "branches"});
+  for (const auto& [key, most] : {std::pair{"triangles", &options.max_triangles},
+                                  {"ways", &options.max_ways},
+                                  {"columns", &options.max_program},
+                                  {"branches", &options.max_branches}})
+    if (const Reader given = budget.at(key); given.is_given())
+      *most = static_cast<std::uint32_t>(given.integer(1, std::uint64_t{1} << 31));
+}
+
 void read_triangulation(const Reader& triangulation, const std::filesystem::path& folder, bool thins,
                         TriangulationOptions& options) {
-  triangulation.require_keys({"order", "objective", "reference", "max_error_m"});
+  triangulation.require_keys({"order", "objective", "reference", "max_error_m", "budget"});
+  read_budget(triangulation.at("budget"), options.budget);
   if (const Reader order = triangulation.at("order"); order.is_given())
     options.order = static_cast<int>(order.integer(0, 6));
   const Reader reference = triangulation.at("reference");

@@ -1,35 +1,43 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "commands.h"
 #include "edge_list.h"
+#include "embed_fill.h"
 #include "embed_input.h"
+#include "embed_layers.h"
 #include "embed_options.h"
 #include "hydrotin/error.h"
 #include "hydrotin/mesh.h"
 #include "hydrotin/river_burning.h"
 #include "hydrotin/river_embedding.h"
 #include "hydrotin/river_statistics.h"
+#include "profile_svg.h"
 
 namespace hydrotin::app {
 namespace {
 
 // Doubles without margin: what the simplex leaves open does not count as a fault or a move.
 constexpr double kUnstoredTolerance = 1e-7;
-constexpr std::size_t kMostListed = 10;
+constexpr std::size_t kMostListed = 10, kMostRivers = 25;
 
 struct EmbedResult {
   Embedding embedding;
+  std::optional<RiverFill> fill;
+  std::vector<double> height;  ///< final
   RiverStatistics before, after;
   HeightChange change;
+  NamedRivers rivers;
 };
 
 Embedding burn(const EmbedArguments& arguments, const EmbedInput& input, const RiverConstraints& constraints) {
@@ -82,31 +90,106 @@ void warn(const EmbedInput& input, const Embedding& embedding) {
   }
 }
 
+/// What the lines called for that the user should know.
+void warn_about_lines(const EmbedInput& input) {
+  if (!input.lines) return;
+  const LineMatch& match = *input.lines;
+  const auto feature = [&](std::uint32_t part) { return fmt::format("{}", match.parts.feature[part]); };
+  for (std::size_t i = 0; i < match.cycles.size(); ++i) {
+    if (i == kMostListed) {
+      fmt::print(stderr, "hydrotin: and {} circles more (see the layer lines)\n", match.cycles.size() - i);
+      break;
+    }
+    std::vector<std::string> names;
+    for (const std::uint32_t part : match.cycles[i])
+      if (names.size() < kMostListed) names.push_back(feature(part));
+    fmt::print(stderr,
+               "hydrotin: {}: features {}{} run in a circle: of feature {}, which rises most, the reach in it was left "
+               "out (turn or remove one)\n",
+               input.rivers_path, fmt::join(names, ", "), match.cycles[i].size() > names.size() ? ", ..." : "",
+               names[0]);
+  }
+  if (!match.disagrees.empty())
+    fmt::print(stderr, "hydrotin: {}: {} of {} lines rise downstream, by the terrain (see the layer lines_that_rise)\n",
+               input.rivers_path, match.disagrees.size(), match.parts.size());
+  for (const RiverMouth& mouth : input.mouths.mouth)
+    if (mouth.kind == MouthKind::closed)
+      fmt::print(stderr,
+                 "hydrotin: near x {} y {}: the river ends inside its own course: its mouth counts as an outlet\n",
+                 input.position[mouth.vertex][0], input.position[mouth.vertex][1]);
+}
+
+nlohmann::ordered_json river_rows(const NamedRivers& rivers) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < rivers.name.size(); ++i) {
+    const RiverRow& row = rivers.row[i];
+    list.push_back({{"name", rivers.name[i]},
+                    {"edges", row.edges},
+                    {"length", row.length},
+                    {"drop_before", row.drop_before},
+                    {"drop_after", row.drop_after},
+                    {"wrong_flow_before", row.wrong_flow_before},
+                    {"not_valley_before", row.not_valley_before},
+                    {"flat_before", row.flat_before},
+                    {"leak_vertices_before", row.leaks_before},
+                    {"wrong_flow_after", row.wrong_flow_after},
+                    {"not_valley_after", row.not_valley_after},
+                    {"flat_after", row.flat_after},
+                    {"leak_vertices_after", row.leaks_after},
+                    {"vertices_moved", row.moved},
+                    {"total_change", row.total},
+                    {"average_change", row.moved > 0 ? row.total / static_cast<double>(row.moved) : 0.0},
+                    {"max_change", row.largest}});
+  }
+  return list;
+}
+
+nlohmann::ordered_json fill_fields(const RiverFill& fill) {
+  return {{"pits_before", fill.pits_before},
+          {"pits_after", fill.pits_after},
+          {"vertices_moved", fill.moved},
+          {"river_vertices_moved", fill.river_vertices_moved},
+          {"total_change", fill.total},
+          {"max_change", fill.largest},
+          {"slopes_beyond_limit", fill.slopes_beyond_limit}};
+}
+
 void print_json(const EmbedInput& input, const EmbedResult& result) {
   nlohmann::ordered_json heights = nlohmann::ordered_json::array(), broken = nlohmann::ordered_json::array();
-  for (const double h : result.embedding.height) heights.push_back(h);
+  for (const double h : result.height) heights.push_back(h);
   for (const BrokenRow& row : result.embedding.broken)
     broken.push_back({{"constraint", name_of(row.kind)}, {"vertices", row.vertex}, {"missing", row.missing}});
-  const nlohmann::ordered_json json = {{"river_edges", input.rivers.size()},
-                                       {"wrong_flow_before", result.before.wrong_flow},
-                                       {"not_valley_before", result.before.not_valley},
-                                       {"wrong_flow_after", result.after.wrong_flow},
-                                       {"not_valley_after", result.after.not_valley},
-                                       {"rows", result.embedding.rows},
-                                       {"columns", result.embedding.columns},
-                                       {"rounds", result.embedding.rounds},
-                                       {"objective", result.embedding.objective},
-                                       {"bound", result.embedding.bound},
-                                       {"optimal", result.embedding.optimal},
-                                       {"vertices_moved", result.change.moved},
-                                       {"average_change", result.change.average},
-                                       {"max_change", result.change.largest},
-                                       {"flat_river_edges", result.after.flat_edges},
-                                       {"leak_vertices", result.after.leak_vertices},
-                                       {"local_minima_before", result.before.local_minima},
-                                       {"local_minima_after", result.after.local_minima},
-                                       {"broken", broken},
-                                       {"heights", heights}};
+  nlohmann::ordered_json json = {{"river_edges", input.rivers.size()},
+                                 {"wrong_flow_before", result.before.wrong_flow},
+                                 {"not_valley_before", result.before.not_valley},
+                                 {"wrong_flow_after", result.after.wrong_flow},
+                                 {"not_valley_after", result.after.not_valley},
+                                 {"rows", result.embedding.rows},
+                                 {"columns", result.embedding.columns},
+                                 {"rounds", result.embedding.rounds},
+                                 {"objective", result.embedding.objective},
+                                 {"bound", result.embedding.bound},
+                                 {"optimal", result.embedding.optimal},
+                                 {"vertices_moved", result.change.moved},
+                                 {"average_change", result.change.average},
+                                 {"max_change", result.change.largest},
+                                 {"flat_river_edges", result.after.flat_edges},
+                                 {"leak_vertices", result.after.leak_vertices},
+                                 {"local_minima_before", result.before.local_minima},
+                                 {"local_minima_after", result.after.local_minima},
+                                 {"broken", broken}};
+  json["flat_river_edges_before"] = result.before.flat_edges;
+  json["leak_vertices_before"] = result.before.leak_vertices;
+  json["total_change"] = result.change.total;
+  json["vertices_added"] = input.position.size() - input.num_given;
+  json["rivers"] = river_rows(result.rivers);
+  if (input.lines) {
+    nlohmann::ordered_json steps;
+    for (const auto& [name, number] : input.lines->counts) steps[name] = number;
+    json["lines"] = steps;
+  }
+  if (result.fill) json["fill"] = fill_fields(*result.fill);
+  json["heights"] = heights;
   fmt::print("{}\n", json.dump());
 }
 
@@ -122,10 +205,63 @@ void print_table(const EmbedInput& input, const EmbedResult& result) {
   line("leak vertices", result.before.leak_vertices, result.after.leak_vertices);
   line("local minima", result.before.local_minima, result.after.local_minima);
   fmt::print("{:<20}{:>24}\n{:<20}{:>24.6f}\n{:<20}{:>24.6f}\n{:<20}{:>24.6f}\n", "vertices moved", result.change.moved,
-             "total change", result.embedding.objective, "average change", result.change.average, "max change",
+             "total change", result.change.total, "average change", result.change.average, "max change",
              result.change.largest);
   fmt::print("{:<20}{:>24}\n{:<20}{:>24}\n{:<20}{:>24}\n", "rows", result.embedding.rows, "columns",
              result.embedding.columns, "rounds", result.embedding.rounds);
+}
+
+void print_lines(const EmbedInput& input) {
+  if (!input.lines) return;
+  fmt::print("\nlines\n");
+  for (const auto& [name, number] : input.lines->counts) {
+    std::string words = name;
+    std::replace(words.begin(), words.end(), '_', ' ');
+    fmt::print("{:<32}{:>12}\n", words, number);
+  }
+}
+
+void print_fill(const EmbedResult& result) {
+  if (!result.fill) return;
+  const RiverFill& fill = *result.fill;
+  fmt::print(
+      "\npits\n{:<32}{:>12}\n{:<32}{:>12}\n{:<32}{:>12}\n{:<32}{:>12}\n{:<32}{:>12.6f}\n{:<32}{:>12.6f}\n{:<32}{:>12}"
+      "\n",
+      "before", fill.pits_before, "after", fill.pits_after, "vertices moved", fill.moved, "of these on rivers",
+      fill.river_vertices_moved, "total change", fill.total, "max change", fill.largest, "slopes beyond the limit",
+      fill.slopes_beyond_limit);
+}
+
+/// The tables of Section 7.2, a river a line.
+void print_rivers(const NamedRivers& rivers) {
+  if (rivers.name.size() < 2 && rivers.name[0].starts_with("network")) return;
+  fmt::print("\n{:<28}{:>7}{:>11}  {:>13}{:>13}{:>11}{:>11}{:>9}{:>11}{:>9}\n", "river", "edges", "length",
+             "wrong flow", "not valley", "flat", "leaks", "moved", "change", "average");
+  for (std::size_t i = 0; i < rivers.name.size(); ++i) {
+    if (i == kMostRivers) {
+      fmt::print("and {} more (all of them: --json)\n", rivers.name.size() - i);
+      break;
+    }
+    const RiverRow& r = rivers.row[i];
+    const auto pair = [](std::uint64_t a, std::uint64_t b) { return fmt::format("{} > {}", a, b); };
+    fmt::print("{:<28.27}{:>7}{:>11.0f}  {:>13}{:>13}{:>11}{:>11}{:>9}{:>11.2f}{:>9.3f}\n", rivers.name[i], r.edges,
+               r.length, pair(r.wrong_flow_before, r.wrong_flow_after), pair(r.not_valley_before, r.not_valley_after),
+               pair(r.flat_before, r.flat_after), pair(r.leaks_before, r.leaks_after), r.moved, r.total,
+               r.moved > 0 ? r.total / static_cast<double>(r.moved) : 0.0);
+  }
+}
+
+void write_outputs(const EmbedArguments& arguments, const EmbedInput& input, const EmbeddingOptions& options,
+                   const EmbedResult& result, double tolerance) {
+  if (!arguments.out.empty()) {
+    std::vector<MeshVertex> vertices = input.mesh.vertex;
+    for (std::size_t v = 0; v < vertices.size(); ++v) vertices[v][2] = result.height[v];
+    write_ply(arguments.out, vertices, input.mesh.triangle, input.mesh.crs_wkt);
+  }
+  if (!arguments.layers.empty())
+    write_layers(arguments.layers, input, options, result.embedding, result.height, result.rivers, tolerance);
+  if (!arguments.profiles.empty()) write_profiles(arguments.profiles, input, result.height, result.rivers);
+  if (!arguments.points_out.empty()) write_river_points(arguments.points_out, input, result.height);
 }
 
 int embed(const EmbedArguments& arguments) {
@@ -140,16 +276,26 @@ int embed(const EmbedArguments& arguments) {
   EmbedResult result;
   result.embedding = arguments.method == "dp" ? burn(arguments, input, options.constraints)
                                               : embed_rivers(terrain, input.rivers, options);
-  result.before = river_statistics(terrain, input.rivers, input.height, tolerance);
-  result.after = river_statistics(terrain, input.rivers, result.embedding.height, tolerance);
-  result.change = height_change(input.height, result.embedding.height, tolerance);
-  if (!arguments.out.empty()) {
-    std::vector<MeshVertex> vertices = input.mesh.vertex;
-    for (std::size_t v = 0; v < vertices.size(); ++v) vertices[v][2] = result.embedding.height[v];
-    write_ply(arguments.out, vertices, input.mesh.triangle, input.mesh.crs_wkt);
+  result.height = result.embedding.height;
+  if (!arguments.fill.empty()) {
+    result.fill = fill_rivers(arguments.fill, input, options.constraints, result.embedding.height, tolerance);
+    result.height = result.fill->height;
   }
+  result.before = river_statistics(terrain, input.rivers, input.height, tolerance);
+  result.after = river_statistics(terrain, input.rivers, result.height, tolerance);
+  result.change = height_change(input.height, result.height, tolerance);
+  result.rivers = name_rivers(input, result.height, tolerance);
+  write_outputs(arguments, input, options, result, tolerance);
   warn(input, result.embedding);
-  arguments.json ? print_json(input, result) : print_table(input, result);
+  warn_about_lines(input);
+  if (arguments.json) {
+    print_json(input, result);
+    return 0;
+  }
+  print_table(input, result);
+  print_rivers(result.rivers);
+  print_fill(result);
+  print_lines(input);
   return 0;
 }
 

@@ -7,13 +7,33 @@
 #include <numeric>
 
 #include "edge_list.h"
+#include "fill_terrain.h"
+#include "hydrotin/crs.h"
 #include "hydrotin/error.h"
+#include "hydrotin/river_lakes.h"
 #include "lake_vertices.h"
 
 namespace hydrotin::app {
 namespace {
 
 constexpr std::size_t kMostNamed = 20;
+
+/// All edges of some triangles.
+class TerrainEdges {
+ public:
+  explicit TerrainEdges(const std::vector<std::uint32_t>& triangle) {
+    for (std::size_t t = 0; t < triangle.size(); t += 3)
+      for (std::size_t i = 0; i < 3; ++i) edges_.push_back(std::minmax({triangle[t + i], triangle[t + (i + 1) % 3]}));
+    std::sort(edges_.begin(), edges_.end());
+  }
+  [[nodiscard]] bool contains(std::uint32_t a, std::uint32_t b) const {
+    return std::binary_search(edges_.begin(), edges_.end(),
+                              std::pair<std::uint32_t, std::uint32_t>(std::minmax({a, b})));
+  }
+
+ private:
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges_;
+};
 
 /// Refuses what is no terrain: two vertices at one place, a triangle without area, an edge of three triangles.
 void check_terrain(const std::string& path, const EmbedInput& input) {
@@ -103,22 +123,111 @@ std::string EmbedInput::name_of(std::uint32_t edge) const {
   return fmt::format("the river edge {} -> {}", rivers[edge].from, rivers[edge].to);
 }
 
+void EmbedInput::refresh() {
+  position.clear();
+  height.clear();
+  triangle.clear();
+  for (const auto& vertex : mesh.vertex) {
+    position.push_back({vertex[0], vertex[1]});
+    height.push_back(vertex[2]);
+  }
+  for (const auto& t : mesh.triangle) triangle.insert(triangle.end(), t.begin(), t.end());
+}
+
+namespace {
+
+void add_preserved(const EmbedArguments& arguments, const EmbedInput& input, RiverConstraints& constraints) {
+  if (arguments.preserve_edges.empty()) return;
+  if (input.lines && arguments.match == "insert")
+    throw Error(ErrorKind::config, "--preserve-edges: inserting lines changes the edges of the TIN (use --match snap)");
+  const TerrainEdges edges(input.triangle);
+  for (const auto& [a, b] : read_edges(arguments.preserve_edges, input.num_given)) {
+    if (!edges.contains(a, b))
+      throw Error(ErrorKind::input, fmt::format("{}: {}, {} is not an edge of {} (write edges of the TIN)",
+                                                arguments.preserve_edges, a, b, arguments.tin));
+    constraints.preserve.push_back({a, b, arguments.preserve != "curvature", arguments.preserve != "drainage"});
+  }
+}
+
+/// Lakes through which rivers come back become one level.
+void join_lakes(EmbedInput& input, RiverConstraints& constraints) {
+  if (constraints.lakes.empty()) return;
+  ClosedLakes closed = close_lakes(input.terrain(), input.rivers, constraints.lakes);
+  constraints.lakes = std::move(closed.lake);
+  if (!input.lines) return;
+  input.lines->counts.emplace_back("lakes", constraints.lakes.size());
+  input.lines->counts.emplace_back("lakes_joined", closed.joined_lakes);
+  input.lines->counts.emplace_back("vertices_joined_to_lakes", closed.joined_vertices);
+}
+
+/// By the policy, and lakes that no river leaves.
+void find_outlet_vertices(const EmbedArguments& arguments, EmbedInput& input, const RiverConstraints& constraints) {
+  const std::string policy = arguments.outlets.empty() ? "hull" : arguments.outlets;
+  input.is_outlet = find_outlets(arguments.tin, policy, make_fill_terrain(arguments.tin, input.mesh));
+  const auto lake = lake_numbers(static_cast<std::uint32_t>(input.position.size()), constraints.lakes);
+  std::vector<std::uint8_t> is_left(constraints.lakes.size() + 1, 0);
+  for (const auto& [from, to] : input.rivers)
+    if (lake[from] != lake[to]) is_left[lake[from]] = 1;
+  for (std::size_t v = 0; v < lake.size(); ++v)
+    if (lake[v] != 0 && is_left[lake[v]] == 0) input.is_outlet[v] = 1;
+  for (const RiverMouth& mouth : input.mouths.mouth)
+    if (mouth.kind == MouthKind::closed) input.is_outlet[mouth.vertex] = 1;
+}
+
+/// Mouths, chains to outlets, and wingtips that are free to rise.
+void prepare_mouths(const EmbedArguments& arguments, EmbedInput& input, RiverConstraints& constraints) {
+  find_outlet_vertices(arguments, input, constraints);
+  input.mouths = find_outlet_chains(input.terrain(), input.rivers, input.is_outlet,
+                                    lake_numbers(static_cast<std::uint32_t>(input.position.size()), constraints.lakes));
+  constraints.chain = input.mouths.edge;
+  for (const RiverMouth& mouth : input.mouths.mouth)
+    if (mouth.kind == MouthKind::closed) input.is_outlet[mouth.vertex] = 1;
+  if (!input.lines) return;
+  auto& counts = input.lines->counts;
+  const auto count = [&](MouthKind kind) {
+    return static_cast<std::uint64_t>(std::count_if(input.mouths.mouth.begin(), input.mouths.mouth.end(),
+                                                    [&](const RiverMouth& mouth) { return mouth.kind == kind; }));
+  };
+  counts.emplace_back("mouths_at_outlets", count(MouthKind::outlet));
+  counts.emplace_back("mouths_with_chains", count(MouthKind::chained));
+  counts.emplace_back("mouths_closed", count(MouthKind::closed));
+  counts.emplace_back("chain_edges", input.mouths.edge.size());
+  const auto lake = lake_numbers(static_cast<std::uint32_t>(input.position.size()), constraints.lakes);
+  const auto [points, left] = clear_mesh_wingtips(arguments.tin, input.mesh, input.rivers, input.mouths.edge, lake);
+  counts.emplace_back("steiner_points", points);
+  counts.emplace_back("triangles_too_small", left);
+  input.refresh();
+  find_outlet_vertices(arguments, input, constraints);
+}
+
+}  // namespace
+
 EmbedInput read_embed_input(const EmbedArguments& arguments, RiverConstraints& constraints) {
   EmbedInput input;
   input.mesh = read_mesh(arguments.tin);
-  for (const auto& vertex : input.mesh.vertex) {
-    input.position.push_back({vertex[0], vertex[1]});
-    input.height.push_back(vertex[2]);
-  }
-  for (const auto& t : input.mesh.triangle) input.triangle.insert(input.triangle.end(), t.begin(), t.end());
+  if (!arguments.crs.empty()) input.mesh.crs_wkt = parse_crs(arguments.crs, "--crs").wkt;
+  input.refresh();
+  input.num_given = static_cast<std::uint32_t>(input.position.size());
   check_terrain(arguments.tin, input);
-  if (!arguments.rivers.empty())
-    throw Error(ErrorKind::config, "--rivers: lines are not snapped in this version (use --river-edges)");
-  if (!arguments.lakes.empty()) constraints.lakes = read_lakes(arguments.lakes, input.position, input.mesh.crs_wkt);
-  input.rivers_path = arguments.river_edges;
-  for (const auto& [from, to] : read_edges(arguments.river_edges, input.position.size()))
-    input.rivers.push_back({from, to});
+  if (!arguments.rivers.empty()) {
+    input.rivers_path = arguments.rivers;
+    input.lines = match_lines(arguments, input.mesh);
+    input.rivers = input.lines->rivers;
+    input.refresh();
+  } else {
+    input.rivers_path = arguments.river_edges;
+    for (const auto& [from, to] : read_edges(arguments.river_edges, input.position.size()))
+      input.rivers.push_back({from, to});
+  }
   check_rivers(arguments.tin, input);
+  std::string missing_wkt;
+  if (!arguments.rivers_crs.empty()) missing_wkt = parse_crs(arguments.rivers_crs, "--rivers-crs").wkt;
+  if (!arguments.lakes.empty())
+    constraints.lakes =
+        read_lakes(arguments.lakes, input.position, input.mesh.crs_wkt, missing_wkt, arguments.lake_level);
+  join_lakes(input, constraints);
+  add_preserved(arguments, input, constraints);
+  if (arguments.wants_chains()) prepare_mouths(arguments, input, constraints);
   return input;
 }
 

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <numeric>
 
@@ -31,10 +33,25 @@ bool is_inside(const VectorParts& parts, std::size_t part, const Plane& p) {
   return inside;
 }
 
+/// An empty attribute leaves the level open.
+void set_level(const std::string& path, const std::string& field, const VectorParts& parts, std::size_t part,
+               Lake& lake) {
+  const std::string& text = parts.value[part];
+  if (text.empty()) return;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), lake.level);
+  if (error != std::errc{} || stop != text.data() + text.size() || !std::isfinite(lake.level))
+    throw Error(ErrorKind::input, fmt::format("{}: feature {}: {} is '{}', not a height (write a number, or nothing)",
+                                              path, parts.feature[part], field, text));
+  lake.has_level = true;
+}
+
 }  // namespace
 
-std::vector<Lake> read_lakes(const std::string& path, std::span<const Plane> position, const std::string& crs_wkt) {
-  const VectorParts parts = read_vector(path, {VectorGeometry::polygon, crs_wkt, {}});
+std::vector<Lake> read_lakes(const std::string& path, std::span<const Plane> position, const std::string& crs_wkt,
+                             const std::string& missing_wkt, const std::string& level_field) {
+  VectorReadOptions options{VectorGeometry::polygon, crs_wkt, missing_wkt, {}};
+  if (!level_field.empty()) options.fields.push_back(level_field);
+  const VectorParts parts = read_vector(path, options);
   std::vector<std::uint32_t> order(position.size()), lake_of(position.size(), 0);
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return position[a] < position[b]; });
@@ -59,6 +76,7 @@ std::vector<Lake> read_lakes(const std::string& path, std::span<const Plane> pos
       lake_of[*v] = static_cast<std::uint32_t>(part + 1);
       lake.vertex.push_back(*v);
     }
+    if (!level_field.empty()) set_level(path, level_field, parts, part, lake);
     if (!lake.vertex.empty()) lakes.push_back(std::move(lake));
   }
   return lakes;

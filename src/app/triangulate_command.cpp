@@ -31,8 +31,8 @@ struct TriangulateArguments {
   std::string points, objective = "local-minima", method = "optimal", reference, edges, out;
   std::optional<double> max_error, thin, thin_cell;
   int order = 2;
-  std::uint32_t boundary = 0, max_triangles = PolygonOptions{}.max_triangles, max_ways = PolygonOptions{}.max_ways,
-                max_columns = PolygonOptions{}.max_program;
+  std::uint32_t boundary = 0;
+  PolygonBudget budget;
   bool polygon = false, json = false;
 };
 
@@ -52,9 +52,7 @@ PolygonOptions polygon_options(const TriangulateArguments& arguments, const Latt
   options.objectives = objectives_or_complain("--objective", arguments.objective);
   if (arguments.max_error) options.max_error = error_limit(*arguments.max_error, lattice);
   options.z_per_xy = lattice.scale_z / lattice.scale_xy;
-  options.max_triangles = arguments.max_triangles;
-  options.max_ways = arguments.max_ways;
-  options.max_program = arguments.max_columns;
+  options.budget = arguments.budget;
   if (arguments.method == "ties") options.method = ComponentMethod::ties;
   if (arguments.method == "lp") options.method = ComponentMethod::linear_program;
   if (arguments.method == "flip") options.method = ComponentMethod::flips;
@@ -274,11 +272,13 @@ void add_triangulate_command(CLI::App& program, Action& action) {
                    "optimal; its parts ties and lp for components; the heuristics flip and hull of de Kok et al.")
       ->capture_default_str()
       ->check(CLI::IsMember({"optimal", "ties", "lp", "flip", "hull"}));
-  command->add_option("--max-polygon", a->max_triangles, "triangles of a polygon that is searched")
+  command->add_option("--max-polygon", a->budget.max_triangles, "triangles of a polygon that is searched")
       ->capture_default_str();
-  command->add_option("--max-ways", a->max_ways, "ways to tie components before the linear program")
+  command->add_option("--max-ways", a->budget.max_ways, "ways to tie components before the linear program")
       ->capture_default_str();
-  command->add_option("--max-columns", a->max_columns, "triangles in a linear program")->capture_default_str();
+  command->add_option("--max-columns", a->budget.max_program, "triangles in a linear program")->capture_default_str();
+  command->add_option("--max-branches", a->budget.max_branches, "linear programs for one polygon")
+      ->capture_default_str();
   command->add_option("--out", a->out, "write the TIN")->type_name("TIN.ply");
   command->add_flag("--json", a->json, "print JSON");
   command->callback([a, &action] { action = [a] { return triangulate_points(*a); }; });

@@ -36,13 +36,19 @@ OGRSpatialReferenceH named_reference(OGRLayerH layer) {
 class Reader {
  public:
   Reader(const std::filesystem::path& path, const VectorReadOptions& options)
-      : path_(path), options_(options), dataset_(gdal::open(path, GDAL_OF_VECTOR)) {}
+      : path_(path),
+        options_(options),
+        dataset_(gdal::open(path, GDAL_OF_VECTOR)),
+        is_field_found_(options.fields.size(), 0) {}
 
   VectorParts read() {
     const int layers = GDALDatasetGetLayerCount(dataset_.get());
     const gdal::MessageTrap trap;
     if (layers == 0) trap.fail(ErrorKind::input, path_, "has no vector layer");
     for (int i = 0; i < layers; ++i) read_layer(static_cast<std::uint32_t>(i));
+    for (std::size_t i = 0; i < options_.fields.size(); ++i)
+      if (is_field_found_[i] == 0)
+        trap.fail(ErrorKind::input, path_, "has no attribute " + options_.fields[i], "see its layers with ogrinfo");
     return std::move(parts_);
   }
 
@@ -78,6 +84,11 @@ class Reader {
     OGRLayerH layer = GDALDatasetGetLayer(dataset_.get(), static_cast<int>(index));
     const Transformation transformation = transformation_of(layer, trap);
     OGR_L_ResetReading(layer);
+    field_.clear();
+    for (std::size_t i = 0; i < options_.fields.size(); ++i) {
+      field_.push_back(OGR_FD_GetFieldIndex(OGR_L_GetLayerDefn(layer), options_.fields[i].c_str()));
+      if (field_.back() >= 0) is_field_found_[i] = 1;
+    }
     while (true) {
       const Feature feature(OGR_L_GetNextFeature(layer), OGR_F_Destroy);
       if (!feature) break;
@@ -101,6 +112,10 @@ class Reader {
     if (transformation != nullptr && OGR_G_Transform(geometry.get(), transformation) != OGRERR_NONE)
       trap.fail(ErrorKind::input, path_, "feature " + std::to_string(id) + " cannot be reprojected",
                 "its coordinates do not fit the CRS that the file names");
+    values_.clear();
+    for (const int f : field_)
+      values_.emplace_back(f >= 0 && OGR_F_IsFieldSetAndNotNull(feature, f) != 0 ? OGR_F_GetFieldAsString(feature, f)
+                                                                                 : "");
     flatten(geometry.get(), id, layer, trap);
   }
 
@@ -124,6 +139,7 @@ class Reader {
     parts_.ring_begin.push_back(parts_.point_begin.size() - 1);
     parts_.feature.push_back(id);
     parts_.layer.push_back(layer);
+    parts_.value.insert(parts_.value.end(), values_.begin(), values_.end());
   }
 
   void add_ring(OGRGeometryH ring, std::int64_t id, const gdal::MessageTrap& trap) {
@@ -140,6 +156,9 @@ class Reader {
   const std::filesystem::path& path_;
   const VectorReadOptions& options_;
   gdal::Dataset dataset_;
+  std::vector<std::uint8_t> is_field_found_;  // in some layer
+  std::vector<int> field_;                    // of the layer: index or negative
+  std::vector<std::string> values_;           // of the feature
   VectorParts parts_;
 };
 

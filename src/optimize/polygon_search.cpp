@@ -61,7 +61,7 @@ void PolygonSearch::start(const PolygonGraph& graph, const PolygonOptions& optio
     return;
   }
   ties_ = find_component_ties(problem, graph);
-  const std::uint64_t affordable = std::min(options.max_ways, kTriangleVisits / graph.num_triangles());
+  const std::uint64_t affordable = std::min(options.budget.max_ways, kTriangleVisits / graph.num_triangles());
   const std::uint64_t num_ways = ties_.num_ways(affordable);
   linear_ = num_ways > affordable && options.method != ComponentMethod::ties;
   costly_ = num_ways > kTriangleVisitsWorthFlips / graph.num_triangles();
@@ -79,8 +79,9 @@ void PolygonSearch::order_components(std::uint64_t num_ways) {
 }
 
 bool PolygonSearch::is_within_budget() const {
-  if (graph_->num_triangles() > options_->max_triangles || options_->method == ComponentMethod::flips) return false;
-  return !linear_ || graph_->num_triangles() <= options_->max_program;
+  if (graph_->num_triangles() > options_->budget.max_triangles || options_->method == ComponentMethod::flips)
+    return false;
+  return !linear_ || graph_->num_triangles() <= options_->budget.max_program;
 }
 
 bool PolygonSearch::run(const PolygonCosts& costs, const std::vector<std::uint8_t>& blocked, PolygonAnswer& best) {
@@ -159,8 +160,8 @@ bool PolygonSearch::run_ties(const PolygonCosts& costs, const std::vector<std::u
 
 bool PolygonSearch::run_linear(const PolygonCosts& costs, const std::vector<std::uint8_t>& blocked,
                                PolygonAnswer& best) {
-  LinearOutcome outcome =
-      solve_linear_program(*graph_, costs, blocked, size_, options_->max_branches, std::exchange(incumbent_, {}));
+  LinearOutcome outcome = solve_linear_program(*graph_, costs, blocked, size_, options_->budget.max_branches,
+                                               std::exchange(incumbent_, {}));
   programs_ += outcome.programs;
   first_bound_ = outcome.first_bound;
   proven_ = proven_ && outcome.proven;

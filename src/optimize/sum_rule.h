@@ -141,7 +141,11 @@ struct SumRule {
           (entry.option == o || !(problem.position[option.apex] < problem.position[graph.option(entry.option).apex])))
         return;
     }
-    entry = {value, o, child_state, true};
+    // One by one: a whole made on the stack would be copied before its parts have arrived there.
+    entry.value = value;
+    entry.option = o;
+    entry.child_state = child_state;
+    entry.possible = true;
   }
 };
 

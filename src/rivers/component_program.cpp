@@ -70,6 +70,7 @@ struct Columns {
   void load(Clp_Simplex* model, const ComponentProgram& program) const {
     Clp_loadProblem(model, static_cast<int>(cost.size()), program.num_rows(), start.data(), row.data(), value.data(),
                     lower.data(), upper.data(), cost.data(), program.lower.data(), program.upper.data());
+    Clp_scaling(model, 0);  // rows come scaled
     Clp_setPrimalTolerance(model, kTolerance);
     Clp_setDualTolerance(model, kTolerance);
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <tuple>
 #include <unordered_map>
 
 #include "component_program.h"
@@ -25,6 +26,7 @@ double price_of(RowKind kind) {
   switch (kind) {
     case RowKind::flow:
     case RowKind::valley:
+    case RowKind::chain:
       return 256;
     case RowKind::lake:
       return 64;
@@ -52,6 +54,8 @@ class Solver {
         touched_(terrain.num_vertices(), 0),
         status_(2 * std::size_t{terrain.num_vertices()}, kAtLower) {
     std::iota(parent_.begin(), parent_.end(), 0u);
+    edges_.assign(rivers.begin(), rivers.end());
+    edges_.insert(edges_.end(), options.constraints.chain.begin(), options.constraints.chain.end());
   }
 
   Embedding run() {
@@ -72,6 +76,7 @@ class Solver {
  private:
   struct Component {
     std::vector<std::uint32_t> vertex, row;
+    std::size_t sorted_vertices = 0, sorted_rows = 0;  // so many at the beginning are in (x, y) order
     double bound = 0;
     bool is_dirty = false;
   };
@@ -81,9 +86,9 @@ class Solver {
     return v;
   }
 
-  // Adds the row if it is violated and not yet there.
-  bool consider(const Row& row) {
-    if (!(row.violation(d_) > kViolated)) return false;
+  // Adds the row if it is violated, or wanted in any case, and not yet there.
+  bool consider(const Row& row, bool is_wanted = false) {
+    if (!is_wanted && !(row.violation(d_) > kViolated)) return false;
     if (row.key != 0 && in_pool_.contains(row.key)) return false;
     if (row.key == 0 && !(row.violation(d_) > kPoolTolerance)) return false;  // a cut comes again and again otherwise
     const auto index = static_cast<std::uint32_t>(pool_.size());
@@ -144,23 +149,36 @@ class Solver {
         if (!is_stopped_) solve_component(found->second, changed);
         if (is_stopped_) return;
       }
-      for (const std::uint32_t v : changed) catalog_.visit(v, d_, [&](const Row& row) { consider(row); });
+      // What moves pushes its neighbours along the river next: their rows now save rounds of the simplex.
+      const auto take = [&](const Row& row) { consider(row, row.kind == RowKind::flow || row.kind == RowKind::chain); };
+      for (const std::uint32_t v : changed) catalog_.visit(v, d_, take);
     }
   }
 
+  // Most of a component is in order since the last time: only what is new is sorted, then merged in.
   void sort_component(Component& component) {
-    const auto by_place = [&](std::uint32_t a, std::uint32_t b) { return terrain_.position[a] < terrain_.position[b]; };
-    std::sort(component.vertex.begin(), component.vertex.end(), by_place);
+    const auto sort_tail = [](std::vector<std::uint32_t>& list, std::size_t& sorted, const auto& less) {
+      const auto middle = list.begin() + static_cast<std::ptrdiff_t>(sorted);
+      std::sort(middle, list.end(), less);
+      std::inplace_merge(list.begin(), middle, list.end(), less);
+      sorted = list.size();
+    };
+    sort_tail(component.vertex, component.sorted_vertices,
+              [&](std::uint32_t a, std::uint32_t b) { return terrain_.position[a] < terrain_.position[b]; });
     if (local_.size() < terrain_.num_vertices()) local_.resize(terrain_.num_vertices());
     for (std::size_t i = 0; i < component.vertex.size(); ++i) local_[component.vertex[i]] = static_cast<int>(i);
-    const auto key = [&](std::uint32_t r) {
-      const Row& row = pool_[r].row;
+    const auto places = [&](const Row& row) {
       std::array<int, 4> at{-1, -1, -1, -1};
       for (std::uint32_t i = 0; i < row.size; ++i) at[i] = local_[row.vertex[i]];
-      return std::tuple(at, row.kind, row.coefficient, row.lower);
+      return at;
     };
-    std::sort(component.row.begin(), component.row.end(),
-              [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+    sort_tail(component.row, component.sorted_rows, [&](std::uint32_t a, std::uint32_t b) {
+      const Row &x = pool_[a].row, &y = pool_[b].row;
+      const int first = local_[x.vertex[0]], second = local_[y.vertex[0]];
+      if (first != second) return first < second;
+      return std::tuple(places(x), x.kind, x.coefficient, x.lower) <
+             std::tuple(places(y), y.kind, y.coefficient, y.lower);
+    });
   }
 
   [[nodiscard]] double limit_of(std::uint32_t v) const {
@@ -245,11 +263,11 @@ class Solver {
   [[nodiscard]] std::vector<double> burn() const {
     std::vector<double> potential(d_.size(), 0), lowered(d_.size(), 0);
     raise_upstream(potential);
-    const RiverNetworks networks = connect_networks(terrain_, rivers_);
+    const RiverNetworks networks = connect_networks(terrain_, edges_);
     std::vector<double> level(networks.num_networks, std::numeric_limits<double>::infinity());
     std::unordered_map<std::uint32_t, std::uint32_t> network_of;
-    for (std::size_t e = 0; e < rivers_.size(); ++e)
-      for (const std::uint32_t v : {rivers_[e].from, rivers_[e].to}) network_of.emplace(v, networks.network[e]);
+    for (std::size_t e = 0; e < edges_.size(); ++e)
+      for (const std::uint32_t v : {edges_[e].from, edges_[e].to}) network_of.emplace(v, networks.network[e]);
     for (const auto& [v, network] : network_of)
       level[network] = std::min(level[network], terrain_.height[v] - potential[v]);
     for (const Row& row : catalog_.listed()) {
@@ -270,11 +288,11 @@ class Solver {
     std::unordered_map<std::uint32_t, std::uint32_t> open;  // edges down that are not yet used
     std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> above;
     std::vector<std::uint32_t> ready;
-    for (std::uint32_t e = 0; e < rivers_.size(); ++e) {
-      ++open[rivers_[e].from];
-      above[rivers_[e].to].push_back(e);
+    for (std::uint32_t e = 0; e < edges_.size(); ++e) {
+      ++open[edges_[e].from];
+      above[edges_[e].to].push_back(e);
     }
-    for (const auto& edge : rivers_)
+    for (const auto& edge : edges_)
       if (!open.contains(edge.to)) ready.push_back(edge.to);
     std::sort(ready.begin(), ready.end());
     ready.erase(std::unique(ready.begin(), ready.end()), ready.end());
@@ -284,9 +302,9 @@ class Solver {
       const auto found = above.find(v);
       if (found == above.end()) continue;
       for (const std::uint32_t e : found->second) {
-        const std::uint32_t u = rivers_[e].from;
-        potential[u] =
-            std::max(potential[u], potential[v] + catalog_.decline()[e] + 2 * (options_.quantum + kPoolTolerance));
+        const std::uint32_t u = edges_[e].from;
+        potential[u] = std::max(potential[u], potential[v] + (e < rivers_.size() ? catalog_.decline()[e] : 0.0) +
+                                                  2 * (options_.quantum + kPoolTolerance));
         if (--open[u] == 0) ready.push_back(u);
       }
     }
@@ -319,7 +337,7 @@ class Solver {
   [[nodiscard]] double missing(const Row& row, std::span<const double> written) const {
     const double tolerance = options_.quantum > 0 ? 0 : kPoolTolerance;
     const double violation = row.violation(written) - row.margin;
-    if (row.kind != RowKind::flow && row.kind != RowKind::valley)
+    if (row.kind != RowKind::flow && row.kind != RowKind::valley && row.kind != RowKind::chain)
       return violation > std::max(tolerance, 1e-9) ? violation : 0;
     if (options_.quantum > 0 && !is_weakly_valid(row)) return std::max(violation, 1e-12);
     return violation > std::max(tolerance, row.strict > 0 ? 1e-9 : 1e-12) ? violation : 0;
@@ -327,7 +345,7 @@ class Solver {
 
   [[nodiscard]] bool is_weakly_valid(const Row& row) const {
     const auto& h = result_.height;
-    if (row.kind == RowKind::flow) return h[row.vertex[0]] >= h[row.vertex[1]];
+    if (row.kind == RowKind::flow || row.kind == RowKind::chain) return h[row.vertex[0]] >= h[row.vertex[1]];
     const auto [w, a, b, none] = row.vertex;
     return valley_sign(terrain_.position[a], terrain_.position[b], terrain_.position[w], h[a], h[b], h[w]) >= 0;
   }
@@ -401,6 +419,7 @@ class Solver {
 
   RiverTerrain terrain_;
   std::span<const RiverEdge> rivers_;
+  std::vector<RiverEdge> edges_;  ///< of rivers, then of outlet chains
   const EmbeddingOptions& options_;
   RowCatalog catalog_;
   std::vector<double> d_;

@@ -31,8 +31,8 @@ double norm(const Plane& a) {
 }  // namespace
 
 const char* name_of(RowKind kind) {
-  static constexpr const char* kNames[] = {"flow",       "valley", "slope limit", "triangle slope",
-                                           "contiguous", "lake",   "drainage",    "curvature"};
+  static constexpr const char* kNames[] = {"flow", "valley",   "slope limit", "triangle slope", "contiguous",
+                                           "lake", "drainage", "curvature",   "outlet chain"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 
@@ -41,9 +41,11 @@ RowCatalog::RowCatalog(const RiverTerrain& terrain, std::span<const RiverEdge> r
     : terrain_(terrain), constraints_(constraints), quantum_(quantum), links_(link_terrain(terrain)) {
   is_river_.assign(terrain.num_vertices(), 0);
   for (const auto& edge : rivers) is_river_[edge.from] = is_river_[edge.to] = 1;
+  for (const auto& edge : constraints.chain) is_river_[edge.from] = is_river_[edge.to] = 1;
   mark_lakes();
   find_declines(rivers);
   add_flow_and_valley(rivers);
+  add_chains();
   if (constraints.contiguity != Contiguity::none) add_contiguous(rivers);
   add_lakes();
   add_preserved();
@@ -105,6 +107,7 @@ Row RowCatalog::valley_row(std::uint32_t a, std::uint32_t b, std::uint32_t w, do
 void RowCatalog::add_flow_and_valley(std::span<const RiverEdge> rivers) {
   for (std::size_t e = 0; e < rivers.size(); ++e) {
     const auto [from, to] = rivers[e];
+    const bool in_lake = lake_of_[from] != 0 && lake_of_[from] == lake_of_[to];
     if (constraints_.flow) {
       Row row;
       row.size = 2;
@@ -112,10 +115,10 @@ void RowCatalog::add_flow_and_valley(std::span<const RiverEdge> rivers) {
       row.coefficient = {1, -1, 0, 0};
       row.strict = decline_[e];
       close(row, decline_[e], kInfinity);
+      if (in_lake) row.margin = 0;  // both are written with one level
       list(row);
     }
     if (!constraints_.valley) continue;
-    const bool in_lake = lake_of_[from] != 0 && lake_of_[from] == lake_of_[to];
     const Wingtips tips = wingtips(terrain_, links_, from, to);
     for (int i = 0; i < tips.count; ++i) {
       double distance = 0;
@@ -126,6 +129,19 @@ void RowCatalog::add_flow_and_valley(std::span<const RiverEdge> rivers) {
       close(row, row.strict, kInfinity);
       list(row);
     }
+  }
+}
+
+void RowCatalog::add_chains() {
+  for (const auto& [from, to] : constraints_.chain) {
+    if (lake_of_[from] != 0 && lake_of_[from] == lake_of_[to]) continue;
+    Row row;
+    row.kind = RowKind::chain;
+    row.size = 2;
+    row.vertex = {from, to, 0, 0};
+    row.coefficient = {1, -1, 0, 0};
+    close(row, 0, kInfinity);
+    list(row);
   }
 }
 

@@ -48,6 +48,7 @@ class RowCatalog {
   void visit(std::uint32_t v, std::span<const double> d, const Sink& sink) const;
   /// Every row of the program, save limits of slopes where nothing moved, which hold there.
   void visit_all(std::span<const double> d, const Sink& sink) const;
+  /// A vertex of a river or an outlet chain.
   [[nodiscard]] bool is_river(std::uint32_t v) const { return is_river_[v] != 0; }
   [[nodiscard]] const std::vector<std::uint32_t>& clamped_networks() const { return clamped_; }
   /// Least height of each edge's drop; [R].
@@ -58,6 +59,7 @@ class RowCatalog {
   void mark_lakes();
   void add_flow_and_valley(std::span<const RiverEdge> rivers);
   void add_contiguous(std::span<const RiverEdge> rivers);
+  void add_chains();
   void add_lakes();
   void add_preserved();
   void index_rows();

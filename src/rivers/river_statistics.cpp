@@ -43,8 +43,9 @@ double steepest_descent(const RiverTerrain& terrain, std::span<const double> hei
   return std::max(-hu / std::hypot(a[0], a[1]), -hw / std::hypot(b[0], b[1]));
 }
 
-std::uint64_t count_leaks(const RiverTerrain& terrain, const TerrainLinks& links, std::span<const RiverEdge> rivers,
-                          std::span<const double> height, double tolerance) {
+std::vector<std::uint32_t> find_leaks(const RiverTerrain& terrain, const TerrainLinks& links,
+                                      std::span<const RiverEdge> rivers, std::span<const double> height,
+                                      double tolerance) {
   std::vector<std::uint32_t> sources;
   std::vector<double> steepest(terrain.num_vertices(), -HUGE_VAL), shortest(terrain.num_vertices(), HUGE_VAL);
   for (const auto& [from, to] : rivers) {
@@ -56,13 +57,13 @@ std::uint64_t count_leaks(const RiverTerrain& terrain, const TerrainLinks& links
   }
   std::sort(sources.begin(), sources.end());
   sources.erase(std::unique(sources.begin(), sources.end()), sources.end());
-  std::uint64_t leaks = 0;
+  std::vector<std::uint32_t> leaks;
   for (const std::uint32_t v : sources) {
     double most = -HUGE_VAL;
     for (const std::uint32_t corner : links.corners(v))
       most = std::max(most, steepest_descent(terrain, height, corner));
     const double slack = (tolerance > 0 ? tolerance : 1e-9) / shortest[v] + 1e-9 * std::abs(steepest[v]);
-    if (most > 0 && most > steepest[v] + slack) ++leaks;
+    if (most > 0 && most > steepest[v] + slack) leaks.push_back(v);
   }
   return leaks;
 }
@@ -83,21 +84,35 @@ std::uint64_t count_minima(const RiverTerrain& terrain, std::span<const double> 
 
 }  // namespace
 
-RiverStatistics river_statistics(const RiverTerrain& terrain, std::span<const RiverEdge> rivers,
-                                 std::span<const double> height, double tolerance) {
+RiverFaults river_faults(const RiverTerrain& terrain, std::span<const RiverEdge> rivers, std::span<const double> height,
+                         double tolerance) {
   const TerrainLinks links = link_terrain(terrain);
-  RiverStatistics statistics;
+  RiverFaults faults;
   for (const RiverEdge& edge : rivers) {
     const double drop = height[edge.from] - height[edge.to];
-    if (drop < -tolerance) ++statistics.wrong_flow;
-    if (std::abs(drop) <= tolerance) ++statistics.flat_edges;
+    faults.wrong_flow.push_back(drop < -tolerance ? 1 : 0);
+    faults.flat.push_back(std::abs(drop) <= tolerance ? 1 : 0);
     const Wingtips tips = wingtips(terrain, links, edge.from, edge.to);
     bool is_valley = true;
     for (int i = 0; i < tips.count; ++i)
       if (is_below(terrain, height, edge, tips.vertex[i], tolerance)) is_valley = false;
-    if (!is_valley) ++statistics.not_valley;
+    faults.not_valley.push_back(is_valley ? 0 : 1);
   }
-  statistics.leak_vertices = count_leaks(terrain, links, rivers, height, tolerance);
+  faults.leak_vertex = find_leaks(terrain, links, rivers, height, tolerance);
+  return faults;
+}
+
+RiverStatistics river_statistics(const RiverTerrain& terrain, std::span<const RiverEdge> rivers,
+                                 std::span<const double> height, double tolerance) {
+  const RiverFaults faults = river_faults(terrain, rivers, height, tolerance);
+  const auto count = [](const std::vector<std::uint8_t>& flags) {
+    return static_cast<std::uint64_t>(std::count(flags.begin(), flags.end(), 1));
+  };
+  RiverStatistics statistics;
+  statistics.wrong_flow = count(faults.wrong_flow);
+  statistics.not_valley = count(faults.not_valley);
+  statistics.flat_edges = count(faults.flat);
+  statistics.leak_vertices = faults.leak_vertex.size();
   statistics.local_minima = count_minima(terrain, height, tolerance);
   return statistics;
 }

@@ -21,8 +21,9 @@ namespace hydrotin {
 
 struct VectorReadOptions {
   VectorGeometry geometry = VectorGeometry::line;  ///< line or polygon; other kinds are skipped and counted
-  std::string target_wkt;       ///< CRS of the result; empty = as in the file, nothing is reprojected
-  std::string missing_crs_wkt;  ///< of layers that name none; empty = they are taken to be in the target CRS
+  std::string target_wkt;             ///< CRS of the result; empty = as in the file, nothing is reprojected
+  std::string missing_crs_wkt;        ///< of layers that name none; empty = they are taken to be in the target CRS
+  std::vector<std::string> fields{};  ///< attributes wanted, as text
 };
 
 /// Parts as CSR. Part i has the rings ring_begin[i] .. ring_begin[i + 1] (a line has one), ring r the points
@@ -33,6 +34,7 @@ struct VectorParts {
   std::vector<std::array<double, 3>> point;  ///< z = 0 where the file has none
   std::vector<std::int64_t> feature;         ///< [P] feature id in its layer
   std::vector<std::uint32_t> layer;          ///< [P]
+  std::vector<std::string> value;            ///< [P x fields] row by row; empty where the feature has none
   std::uint64_t num_features = 0;            ///< read or skipped
   std::uint64_t num_null = 0;                ///< features without geometry, or with an empty one
   std::uint64_t num_other = 0;               ///< parts of other kinds, and lines of fewer than two points
@@ -45,7 +47,7 @@ struct VectorParts {
 };
 
 /// Fails: Error(input) with file and feature: it cannot be opened or read, has no vector layer, a coordinate cannot be
-/// reprojected or is not finite.
+/// reprojected or is not finite; no layer has a field that is wanted.
 [[nodiscard]] VectorParts read_vector(const std::filesystem::path& path, const VectorReadOptions& options);
 
 }  // namespace hydrotin

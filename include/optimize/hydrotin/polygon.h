@@ -61,15 +61,22 @@ enum class ComponentMethod : std::uint8_t {
   flips            ///< no search: Delaunay improved by flips, everywhere
 };
 
+/// What one polygon may cost. Beyond it the Delaunay triangles are improved by flips, with a bound.
+struct PolygonBudget {
+  std::uint32_t max_triangles = 1U << 22;  ///< T + C of a polygon that is searched
+  std::uint32_t max_ways = 64;             ///< ways to tie components before the linear program takes over
+  std::uint32_t max_program = 8'000;       ///< columns of a linear program
+  std::uint32_t max_branches = 40;         ///< linear programs per polygon that is not integral at once
+
+  friend bool operator==(const PolygonBudget&, const PolygonBudget&) = default;
+};
+
 struct PolygonOptions {
   Objectives objectives{Objective::local_minima};
   std::optional<ErrorLimit> max_error{};  ///< triangles that exceed it are not admissible
   double z_per_xy = 1;                    ///< z lattice unit in x and y lattice units
   ComponentMethod method = ComponentMethod::automatic;
-  std::uint32_t max_triangles = 1U << 22;  ///< T + C of a polygon that is searched
-  std::uint32_t max_ways = 64;             ///< ways to tie components before the linear program takes over
-  std::uint32_t max_program = 8'000;       ///< columns of a linear program
-  std::uint32_t max_branches = 40;         ///< linear programs per polygon that is not integral at once
+  PolygonBudget budget{};
 };
 
 /// A polygon beyond `max_triangles`, `max_program` or `max_branches` falls back to its Delaunay triangulation, improved

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "hydrotin/river_network.h"
+
 /// What a terrain with rivers must satisfy: the criteria of Table 7.1 that linear rows can express.
 ///
 /// Each is a row lower <= sum a_i d_i <= upper over the displacements d = h - h0, its sides computed from differences
@@ -18,6 +20,7 @@
 ///   triangle      the same for the slope of a triangle in given directions; triangles with a river vertex are exempt
 ///   contiguous    no way down from a river vertex is steeper than its river edge; not posed where the river parts
 ///   lake          all vertices at one height
+///   chain         h_v >= h_next along outlet chains (river_mouths.h); their vertices are exempt from limits of slopes
 ///   edge type     ridge, valley, transfluent; convex, reflex: the sides on which weak inequalities hold stay the same
 ///
 /// Source   thesis, Sections 7.1.1 and 7.1.2.
@@ -67,6 +70,7 @@ struct RiverConstraints {
   double max_change = 0;               ///< of each vertex; 0 = no limit
   std::vector<Lake> lakes;             ///< no vertex in two of them
   std::vector<PreservedEdge> preserve;
+  std::vector<RiverEdge> chain;  ///< of outlet chains, edges of the terrain; no cycle with the river edges
 };
 
 }  // namespace hydrotin

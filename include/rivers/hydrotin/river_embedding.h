@@ -26,7 +26,17 @@
 
 namespace hydrotin {
 
-enum class RowKind : std::uint8_t { flow, valley, slope_limit, triangle_slope, contiguous, lake, drainage, curvature };
+enum class RowKind : std::uint8_t {
+  flow,
+  valley,
+  slope_limit,
+  triangle_slope,
+  contiguous,
+  lake,
+  drainage,
+  curvature,
+  chain
+};
 
 [[nodiscard]] const char* name_of(RowKind kind);
 

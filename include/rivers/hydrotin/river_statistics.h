@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "hydrotin/river_network.h"
 
@@ -19,6 +20,14 @@ struct RiverStatistics {
   std::uint64_t leak_vertices = 0;  ///< river vertices from which a way is steeper than the steepest river edge down
   std::uint64_t local_minima = 0;   ///< of the terrain; a plateau counts as one
 };
+
+/// The same edge by edge.
+struct RiverFaults {
+  std::vector<std::uint8_t> wrong_flow, not_valley, flat;  ///< [R]
+  std::vector<std::uint32_t> leak_vertex;                  ///< ascending
+};
+[[nodiscard]] RiverFaults river_faults(const RiverTerrain& terrain, std::span<const RiverEdge> rivers,
+                                       std::span<const double> height, double tolerance);
 
 /// @param height     [n] to use in place of those of the terrain.
 /// @param tolerance  0: in exact arithmetic (heights as stored); otherwise what a height may be off [m].

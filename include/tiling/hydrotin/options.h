@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hydrotin/objective.h"
+#include "hydrotin/polygon.h"
 
 /// What a run is asked to do: the checked content of a config, with the defaults that suit classified ground LiDAR in
 /// metres. `app` fills it from YAML and `--set`; `tiling` splits it and hands each algorithm its own few numbers.
@@ -66,6 +67,7 @@ struct TriangulationOptions {
                                        ///< no other reference points they always are
   std::optional<double> max_error_m;   ///< limit on these errors, in the unit of z; none: that of thinning where its
                                        ///< points are reference points, else no limit
+  PolygonBudget budget;
 
   [[nodiscard]] bool has_reference() const { return removed_reference || !reference.empty(); }
 };

@@ -147,10 +147,52 @@ TEST(Config, ImpossiblePits_AreRefused) {
             "c.yaml:2:18: pits.cheapest: it says which pits to keep, as pits.keep does (give one of the two)");
 }
 
-TEST(Config, Errors_NameLineAndColumn) {
+TEST(Config, RastersMayStandForPoints) {
+  const TemporaryFolder folder;
+  write_text(folder / "c.yaml",
+             "input: {dem: [a.tif, /vsizip/b.zip/b.tif], dem_band: 2, dem_quantum_m: 0.01, dem_nodata: -32768}\n");
+  const PipelineOptions options = read_config(folder / "c.yaml", {});
+  EXPECT_TRUE(options.input.points.empty());
+  EXPECT_EQ(options.input.dem, (std::vector<std::string>{(folder / "a.tif").string(), "/vsizip/b.zip/b.tif"}));
+  EXPECT_EQ(options.input.dem_band, 2);
+  EXPECT_EQ(options.input.dem_quantum_m, 0.01);
+  EXPECT_EQ(options.input.dem_nodata, -32768);
   EXPECT_EQ(
-      config_error("input:\n  points: a.laz\n  clases: [2]\n"),
-      "c.yaml:3:3: unknown key 'clases' in input (allowed: points, classes, rivers, lakes, crs, withheld, synthetic)");
+      config_error("input: {dem: []}\n"),
+      "c.yaml:1:14: input.dem: a list is not possible (allowed: a list of rasters or patterns that is not empty)");
+  EXPECT_EQ(config_error("input: {dem: a.tif, dem_band: 0}\n"),
+            "c.yaml:1:31: input.dem_band: '0' is not possible (allowed: an integer from 1 to 100000)");
+}
+
+TEST(Config, ThinningMakesTheRemovedPointsTheReference) {
+  const TemporaryFolder folder;
+  const auto read = [&](const std::string& more) {
+    write_text(folder / "c.yaml", kMinimal + more);
+    return read_config(folder / "c.yaml", {});
+  };
+  const PipelineOptions thinned = read("thin: {vertical_error_m: 0.25, cell_m: 6, prune: false}\n");
+  EXPECT_EQ(thinned.thin.vertical_error_m, 0.25);
+  EXPECT_EQ(thinned.thin.cell_m, 6);
+  EXPECT_FALSE(thinned.thin.prune);
+  EXPECT_TRUE(thinned.triangulation.removed_reference);
+  const PipelineOptions both = read(
+      "thin: {vertical_error_m: 1}\ntriangulation: {reference: [removed, held_out.las], objective: "
+      "min-squared-error}\n");
+  EXPECT_TRUE(both.triangulation.removed_reference);
+  EXPECT_EQ(both.triangulation.reference, (std::vector<std::string>{(folder / "held_out.las").string()}));
+  EXPECT_FALSE(
+      read("thin: {vertical_error_m: 1}\ntriangulation: {reference: other.las}\n").triangulation.removed_reference);
+  EXPECT_FALSE(read("").triangulation.removed_reference);
+  EXPECT_EQ(config_error(kMinimal + "thin: {cell_m: 6}\n"),
+            "c.yaml:2:16: thin.cell_m: nothing is thinned (give thin.vertical_error_m)");
+  EXPECT_EQ(config_error(kMinimal + "triangulation: {reference: removed}\n"),
+            "c.yaml:2:28: triangulation.reference: nothing is removed (give thin.vertical_error_m)");
+}
+
+TEST(Config, Errors_NameLineAndColumn) {
+  EXPECT_EQ(config_error("input:\n  points: a.laz\n  clases: [2]\n"),
+            "c.yaml:3:3: unknown key 'clases' in input (allowed: points, dem, dem_band, dem_quantum_m, dem_nodata, "
+            "classes, rivers, lakes, crs, withheld, synthetic)");
   EXPECT_EQ(config_error(kMinimal + "triangulation:\n  order: two\n"),
             "c.yaml:3:10: triangulation.order: 'two' is not possible (allowed: an integer from 0 to 6)");
   EXPECT_EQ(config_error(kMinimal + "triangulation: {order: 7}\n"),
@@ -204,9 +246,10 @@ TEST(Config, Errors_NameLineAndColumn) {
   EXPECT_EQ(config_error(kMinimal + "run: {memory: 1MiB}\n").rfind("c.yaml:2:15: ", 0), 0U);
   EXPECT_EQ(config_error(kMinimal + "run: {workers: 0}\n"),
             "c.yaml:2:16: run.workers: '0' is not possible (allowed: auto, or an integer from 1 to 1024)");
-  EXPECT_EQ(config_error(kMinimal + "surprise: 1\n"),
-            "c.yaml:2:1: unknown key 'surprise' in the config (allowed: input, output, tiles, triangulation, rivers, "
-            "pits, run)");
+  EXPECT_EQ(
+      config_error(kMinimal + "surprise: 1\n"),
+      "c.yaml:2:1: unknown key 'surprise' in the config (allowed: input, output, tiles, thin, triangulation, rivers, "
+      "pits, run)");
   EXPECT_EQ(config_error("input:\n  points: [a.laz, [b]]\n").rfind("c.yaml:2:19: input.points: every item", 0), 0U);
   EXPECT_EQ(config_error("input: {points: []}\n").rfind("c.yaml:1:17: input.points: a list is not possible", 0), 0U);
   EXPECT_EQ(config_error("input: {points: a.laz, classes: [2, 256]}\n").rfind("c.yaml:1:37: input.classes: '256'", 0),

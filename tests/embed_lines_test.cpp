@@ -257,6 +257,44 @@ TEST(EmbedLines, BadInput_GetsAClearError) {
   expect(tin + "--preserve-edges edges.csv", 3, "is not an edge");
 }
 
+TEST(EmbedLines, OrderOfTheFeaturesDoesNotMatter) {
+  const TemporaryFolder folder;
+  const Mesh mesh = valley(11, 34);
+  write_ply(folder / "tin.ply", mesh.vertex, mesh.triangle, "");
+  json features = json::parse(rivers_json(false));
+  for (const std::string match : {"snap", "insert"}) {
+    std::string first;
+    for (int turn = 0; turn < 2; ++turn) {
+      write_text(folder / "rivers.geojson", features.dump());
+      ASSERT_FALSE(run(folder, "--quantum 0.01 --fill least-change --out out.ply --match " + match).is_null());
+      if (turn == 0)
+        first = testing::read_text(folder / "out.ply");
+      else
+        EXPECT_EQ(testing::read_text(folder / "out.ply"), first) << match;
+      std::reverse(features["features"].begin(), features["features"].end());
+    }
+  }
+}
+
+TEST(EmbedLines, NoRiverAtAll_ChangesNothing) {
+  const TemporaryFolder folder;
+  const Mesh mesh = valley(3, 8);
+  write_ply(folder / "tin.ply", mesh.vertex, mesh.triangle, "");
+  write_text(folder / "rivers.csv", "from,to\n");
+  const Outcome outcome = embed(folder,
+                                "tin.ply --river-edges rivers.csv --out out.ply --layers l.gpkg --profiles p "
+                                "--points-out points.las");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(read_mesh(folder / "out.ply").vertex, mesh.vertex);
+  // Edges may have mouths and pits, too.
+  write_text(folder / "rivers.csv",
+             "from,to\n" + std::to_string(mesh.triangle[5][0]) + "," + std::to_string(mesh.triangle[5][1]) + "\n");
+  const Outcome filled = embed(folder, "tin.ply --river-edges rivers.csv --fill lift --layers l.gpkg --json");
+  ASSERT_EQ(filled.code, 0) << filled.err;
+  EXPECT_EQ(json::parse(filled.out)["fill"]["pits_after"], 0);
+  EXPECT_EQ(json::parse(filled.out)["vertices_added"], 0);
+}
+
 struct RealCase {
   std::string dem, rivers, options;
   int lines, turned;

@@ -221,8 +221,8 @@ void write_arrays(const TerrainArrays& arrays, const std::string& path) {
 class PlantedFault : public ::testing::Test {
  protected:
   PlantedFault()
-      : whole_(testing::make_terrain(testing::random_points(11, 600, 200), 11, 60)),
-        cut_(make_dataset(whole_, options_in(folder_), 11, 3)),
+      : whole_(testing::make_terrain(testing::random_points(16, 600, 200), 16, 60)),
+        cut_(make_dataset(whole_, options_in(folder_), 16, 3)),
         path_(cut_.context.layout.terrain(0)),
         good_(read_arrays(path_)) {}
 

@@ -209,5 +209,48 @@ TEST(App, Orders_AreThoseOfTheDefinition) {
   for (const json& polygon : result.at("polygons")) size += polygon.at("size").get<std::size_t>();
   EXPECT_EQ(size, result.at("delaunay_triangles").size());
 }
+// The TIN passes every row that is no vertex within the limit, by the definition of a plane.
+TEST(TriangulateCommand, Thin_KeepsAllRowsWithinTheLimit) {
+  const TemporaryFolder folder;
+  std::string csv = "x,y,z\n";
+  std::vector<std::array<double, 3>> row;
+  for (int i = 0; i < 40; ++i)
+    for (int j = 0; j < 40; ++j) {
+      const double z = std::round(100 * (3 * std::sin(i * 0.21) + 2 * std::cos(j * 0.17) + 0.05 * (i * 7 % 5))) / 100;
+      row.push_back({1000.0 + i, 2000.0 + j, z});
+      csv += std::to_string(1000 + i) + "," + std::to_string(2000 + j) + "," + std::to_string(z) + "\n";
+    }
+  write_text(folder / "p.csv", csv);
+  for (const std::string order : {"0", "3"}) {
+    const Outcome outcome = call(folder, "triangulate p.csv --json --thin 0.25 --thin-cell 6 --order " + order);
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const json got = json::parse(outcome.out);
+    const json& thinning = got.at("thinning");
+    EXPECT_EQ(thinning.at("kept").get<int>() + thinning.at("removed").get<int>(), 1600);
+    EXPECT_GT(thinning.at("removed"), 800);
+    EXPECT_EQ(got.at("reference").at("points"), thinning.at("removed"));
+    double worst = 0;
+    for (const auto& p : row) {
+      double error = 1e9;
+      for (const auto& t : got.at("triangles")) {
+        const auto &a = row[t[0].get<std::size_t>()], &b = row[t[1].get<std::size_t>()], &c = row[t[2].get<std::size_t>()];
+        const auto area = [](const auto& u, const auto& v, const auto& w) {
+          return (v[0] - u[0]) * (w[1] - u[1]) - (v[1] - u[1]) * (w[0] - u[0]);
+        };
+        const double all = area(a, b, c), at_a = area(p, b, c) / all, at_b = area(a, p, c) / all, at_c = area(a, b, p) / all;
+        if (std::min({at_a, at_b, at_c}) < 0) continue;
+        error = std::min(error, std::abs(at_a * a[2] + at_b * b[2] + at_c * c[2] - p[2]));
+      }
+      worst = std::max(worst, error);
+    }
+    EXPECT_LE(worst, 0.25 + 1e-9);
+    EXPECT_NEAR(worst, thinning.at("max_error"), 1e-9);
+  }
+  EXPECT_EQ(call(folder, "triangulate p.csv --thin -1").code, 2);
+  EXPECT_EQ(call(folder, "triangulate p.csv --thin-cell 3").code, 2);
+  EXPECT_EQ(call(folder, "triangulate p.csv --thin 0.1 --method hull").code, 2);
+  EXPECT_EQ(call(folder, "triangulate p.csv --thin 0.1 --polygon").code, 2);
+}
+
 }  // namespace
 }  // namespace hydrotin

@@ -62,6 +62,7 @@ void sort_by_key(std::vector<Keyed>& keys) {
 struct CanonicalPoints {
   std::vector<LatticePoint> position;
   std::vector<std::int32_t> height;
+  std::vector<std::uint32_t> rise;  // of points dropped for a lower one at their place, where not 0
 };
 
 // Curve order, one point per place: the lowest.
@@ -70,17 +71,23 @@ CanonicalPoints canonical(const RawPoints& raw) {
   for (std::uint32_t i = 0; i < keys.size(); ++i) keys[i] = {hilbert_key({raw.x[i], raw.y[i]}), i};
   if (!keys.empty()) sort_by_key(keys);
   CanonicalPoints out;
+  std::vector<std::pair<std::uint32_t, std::int32_t>> dropped;  // place, height
   out.position.reserve(keys.size());
   out.height.reserve(keys.size());
   for (const auto& [key, i] : keys) {
     const LatticePoint p{raw.x[i], raw.y[i]};
     if (!out.position.empty() && out.position.back() == p) {
-      out.height.back() = std::min(out.height.back(), raw.z[i]);
+      const std::int32_t low = std::min(out.height.back(), raw.z[i]);
+      dropped.emplace_back(static_cast<std::uint32_t>(out.height.size() - 1), std::max(out.height.back(), raw.z[i]));
+      out.height.back() = low;
     } else {
       out.position.push_back(p);
       out.height.push_back(raw.z[i]);
     }
   }
+  for (const auto& [at, z] : dropped)
+    if (z != out.height[at]) out.rise.push_back(static_cast<std::uint32_t>(std::int64_t{z} - out.height[at]));
+  std::sort(out.rise.begin(), out.rise.end());
   return out;
 }
 
@@ -126,6 +133,7 @@ void arrange_tile(const RunContext& context, std::uint32_t tile) {
   out.set("recipe", context.recipe(Phase::arrange));
   out.set("points", static_cast<std::int64_t>(raw.x.size()));
   write_points(out, points.position, points.height);
+  out.append("duplicate_rise", points.rise, "z lattice: of points dropped, above the one kept at their place; not 0");
   const std::vector<std::uint32_t> hull = convex_hull(points.position);
   out.append("hull", hull, "indices of the tile's convex hull");
   if (!points.position.empty())

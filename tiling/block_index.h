@@ -17,6 +17,8 @@ inline constexpr std::uint32_t kBlockPoints = 512;
 
 /// What the names of the arrays of reference points begin with.
 inline constexpr const char* kReference = "reference_";
+/// The same for points that thinning removed.
+inline constexpr const char* kRemoved = "removed_";
 
 /// Arrays x, y, z and block_box (min x, min y, max x, max y per block).
 /// @param prefix  of the names of the arrays

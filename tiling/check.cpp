@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 
 #include "check_order.h"
 #include "check_tile.h"
 #include "check_topology.h"
 #include "file_checksum.h"
 #include "hydrotin/pipeline.h"
+#include "removed_errors.h"
 
 namespace hydrotin {
 namespace {
@@ -141,6 +143,43 @@ void check_kept(const DatasetIndex& index, std::vector<TileFacts>& facts, Proble
                                   " kept pits, but there are " + std::to_string(kept));
 }
 
+// The errors of the points that thinning removed, measured again.
+void check_removed(const DatasetIndex& index, Problems& problems) {
+  std::vector<LatticeBox> bounds(index.num_tiles());
+  std::vector<RemovedFigures> figures(index.num_tiles());
+  std::vector<Problems> found(index.num_tiles());
+  const auto open = [&](std::uint32_t tile) { return store::Reader(index.tile_path(tile)); };
+  for_each_tile(index, [&](std::uint32_t tile) {
+    for (const LatticeBox& box : unflatten(open(tile).read<std::int32_t>("triangle_box"))) bounds[tile].extend(box);
+  });
+  std::optional<ErrorLimit> limit;
+  if (index.removed_limit_millionths >= 0) limit = ErrorLimit{index.removed_limit_millionths};
+  for_each_tile(index, [&](std::uint32_t tile) {
+    try {
+      figures[tile] = measure_removed(tile, open, bounds, limit);
+    } catch (const Error& error) {
+      found[tile].add("unreadable", error.what());
+    }
+  });
+  RemovedFigures all;
+  for (std::uint32_t tile = 0; tile < index.num_tiles(); ++tile) {
+    problems.add(found[tile]);
+    const RemovedFigures& f = figures[tile];
+    if (f.beyond > 0)
+      problems.add("errors", index.tile_path(tile) + ": " + std::to_string(f.beyond) +
+                                 " points that thinning removed are farther from the terrain than promised");
+    if (f.not_once > 0)
+      problems.add("errors", index.tile_path(tile) + ": " + std::to_string(f.not_once) +
+                                 " points that thinning removed do not lie in exactly one triangle");
+    all.add(f);
+  }
+  if (all.points != index.removed)
+    problems.add("index", index.path + ": it states " + std::to_string(index.removed) +
+                              " points removed, but the files hold " + std::to_string(all.points));
+  else if (all.measured.largest != index.removed_max_error)
+    problems.add("index", index.path + ": it states another largest error of the points removed");
+}
+
 DatasetSummary stated(const DatasetIndex& index) {
   DatasetSummary out;
   out.points = index.points;
@@ -179,6 +218,7 @@ DatasetSummary check_dataset(const std::string& dir, std::uint64_t order_sample)
       summary.pits = check_pits(index, reading.facts, problems);
     } else
       problems.add("across files", index.path + ": pits were not counted, because files disagree about heights");
+    check_removed(index, problems);
     reading.facts.clear();
     check_all_orders(index, bins_for(reading.bins, order_sample), summary, problems);
   }

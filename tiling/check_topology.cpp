@@ -179,7 +179,7 @@ void check_sums(const DatasetIndex& index, std::span<const TileFacts> facts, Pro
   };
   expect("vertices", index.vertices, vertices);
   expect("triangles", index.num_triangles, triangles);
-  expect("points", index.points, index.vertices + index.duplicates);
+  expect("points", index.points, index.vertices + index.removed + index.duplicates);
   if (fingerprint.hex() != index.fingerprint)
     problems.add("fingerprint", index.path + ": the files have the fingerprint " + fingerprint.hex() + ", not " +
                                     index.fingerprint + " as it states");

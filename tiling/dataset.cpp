@@ -37,6 +37,10 @@ void read_foreign(const store::Reader& in, const DatasetIndex& index, TerrainTil
 // Arrays that the checks do not use: reading them tests their checksums.
 void read_the_rest(const store::Reader& in) {
   static_cast<void>(read_lattice(in));
+  if (in.has(std::string(kRemoved) + "x")) {
+    static_cast<void>(read_points(in, 0, in.size(std::string(kRemoved) + "x"), kRemoved));
+    static_cast<void>(read_block_boxes(in, kRemoved));
+  }
   static_cast<void>(read_pits(in, "final_"));
   static_cast<void>(read_open_plateaus(in, "final_"));
   const auto level = in.read<std::int32_t>("pit_level");
@@ -77,6 +81,11 @@ DatasetIndex load_index(const std::string& dir) {
   out.duplicates = number("duplicates");
   out.num_triangles = number("triangles");
   out.pits = number("pits");
+  if (in.has_attribute("removed")) {
+    out.removed = number("removed");
+    out.removed_max_error = in.real("removed_max_error");
+    out.removed_limit_millionths = in.integer("removed_limit_millionths");
+  }
   out.order = static_cast<int>(std::min<std::uint64_t>(number("order"), 1'000'000));
   out.fingerprint = in.text("fingerprint");
   out.outlets = in.text("outlets");

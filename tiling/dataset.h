@@ -24,6 +24,9 @@ struct DatasetIndex {
   std::vector<std::uint64_t> triangles;  ///< [tiles]
   std::vector<std::uint64_t> checksum;   ///< [tiles] of all bytes of the file; empty in an index that has none
   std::uint64_t points = 0, vertices = 0, duplicates = 0, num_triangles = 0, pits = 0;
+  std::uint64_t removed = 0;                   ///< points that thinning removed
+  double removed_max_error = 0;                ///< the largest of their errors, z lattice units
+  std::int64_t removed_limit_millionths = -1;  ///< that none of them exceeds; negative: nothing is promised
   int order = 0;
   std::string fingerprint;
   std::string outlets;          ///< hull, lowest, layer, or none where pits were left

@@ -91,6 +91,13 @@ std::uint32_t reference(const Part& part, std::uint32_t v) {
                           : static_cast<std::uint32_t>(part.own.position.size()) + (v - part.num_own);
 }
 
+void write_removed(const RunContext& context, std::uint32_t tile, store::Writer& out) {
+  if (!context.thins()) return;
+  const store::Reader in(context.points_unit(tile));
+  const TilePoints removed = read_points(in, 0, in.size(std::string(kRemoved) + "x"), kRemoved);
+  write_points(out, removed.position, removed.height, kRemoved);
+}
+
 void write_triangles(store::Writer& out, const Part& part) {
   std::vector<std::uint32_t> triangle;
   triangle.reserve(part.triangle.size());
@@ -187,6 +194,7 @@ void finish_tile(const RunContext& context, std::uint32_t tile) {
   out.set("crs", context.plan.crs.size() < 60000 ? context.plan.crs : std::string());
   write_lattice(out, context.plan.lattice);
   write_vertices(out, part, height);
+  write_removed(context, tile, out);
   write_triangles(out, part);
   write_pits_before(context, tile, part, level, out);
   write_outlets(context, tile, part, is_outlet, out);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "hydrotin/dem_points.h"
 #include "hydrotin/las.h"
 #include "phases.h"
 #include "store.h"
@@ -39,14 +40,18 @@ class Selector {
   unsigned unwanted_flags_ = 0;
 };
 
-std::int32_t place(const PlanFile& file, std::size_t axis, std::int32_t value) {
+std::int32_t place(const PlanFile& file, std::size_t axis, std::int64_t value) {
   __extension__ using Wide = __int128;
   const Wide v = static_cast<Wide>(value) * file.map.factor[axis] + file.map.shift[axis];
   // The ends of the range mean "none" and "no level".
   if (v <= std::numeric_limits<std::int32_t>::min() || v >= std::numeric_limits<std::int32_t>::max())
-    throw Error(ErrorKind::input, file.path + ": a point with " + "xyz"[axis] + " = " + std::to_string(value) +
-                                      " (before scaling) lies far outside the bounds that the headers declare; repair "
-                                      "the header or remove the point");
+    throw Error(
+        ErrorKind::input,
+        file.path + (file.is_dem ? ": a cell" : ": a point") + " with " + "xyz"[axis] + " = " + std::to_string(value) +
+            (file.is_dem ? " quanta is more than 32 bits hold; raise input.dem_quantum_m, or set input.dem_nodata "
+                           "if it means that there is no height"
+                         : " (before scaling) lies far outside the bounds that the headers declare; repair "
+                           "the header or remove the point"));
   return static_cast<std::int32_t>(v);
 }
 
@@ -133,15 +138,9 @@ class Buckets {
   std::uint64_t written_ = 0;
 };
 
-}  // namespace
-
-void ingest_file(const RunContext& context, std::uint32_t number) {
-  const PlanFile& file = context.plan.files[number];
+void ingest_cloud(const RunContext& context, const PlanFile& file, Buckets& buckets) {
   const LasFile las(file.path);
   const Selector selector(context.options.input);
-  store::Writer out(context.layout.unit(Phase::ingest, number));
-  out.set("recipe", context.recipe(Phase::ingest));
-  Buckets buckets(context.plan, out);
   std::vector<Batch> batch(kChunksAtOnce);
   for (std::size_t first = 0; first < las.num_chunks(); first += kChunksAtOnce) {
     const std::size_t count = std::min(kChunksAtOnce, las.num_chunks() - first);
@@ -156,6 +155,37 @@ void ingest_file(const RunContext& context, std::uint32_t number) {
       tbb::parallel_for(std::size_t{0}, count, decode);
     }
     for (std::size_t i = 0; i < count; ++i) buckets.add(batch[i]);
+  }
+}
+
+DemSkips ingest_dem(const RunContext& context, const PlanFile& file, Buckets& buckets) {
+  const InputOptions& input = context.options.input;
+  DemFile dem(file.path, {input.dem_band, input.dem_nodata, input.dem_quantum_m});
+  Batch batch;
+  return dem.read(file.first_row, file.num_rows, [&](const DemBatch& cells) {
+    batch.position.clear();
+    batch.height.clear();
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      batch.position.push_back({place(file, 0, cells.x[i]), place(file, 1, cells.y[i])});
+      batch.height.push_back(place(file, 2, cells.z[i]));
+    }
+    buckets.add(batch);
+  });
+}
+
+}  // namespace
+
+void ingest_file(const RunContext& context, std::uint32_t number) {
+  const PlanFile& file = context.plan.files[number];
+  store::Writer out(context.layout.unit(Phase::ingest, number));
+  out.set("recipe", context.recipe(Phase::ingest));
+  Buckets buckets(context.plan, out);
+  if (file.is_dem) {
+    const DemSkips skips = ingest_dem(context, file, buckets);
+    out.set("cells_nodata", static_cast<std::int64_t>(skips.nodata));
+    out.set("cells_not_finite", static_cast<std::int64_t>(skips.not_finite));
+  } else {
+    ingest_cloud(context, file, buckets);
   }
   buckets.finish();
   out.commit();

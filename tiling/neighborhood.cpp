@@ -54,7 +54,7 @@ Neighborhood::Neighborhood(const RunContext& context, std::uint32_t tile, double
 const store::Reader& Neighborhood::reader(std::uint32_t tile) {
   const auto found = readers_.find(tile);
   if (found != readers_.end()) return found->second;
-  return readers_.emplace(tile, store::Reader(context_.layout.unit(Phase::arrange, tile))).first->second;
+  return readers_.emplace(tile, store::Reader(context_.points_unit(tile))).first->second;
 }
 
 Neighborhood::Directory& Neighborhood::directory(std::uint32_t tile) {

@@ -22,19 +22,21 @@ HullVertex read_vertex(const store::Reader& in, std::uint32_t tile, std::uint32_
 
 struct TileOutline {
   LatticeBox box, reference_box;
-  std::uint64_t count = 0, points = 0, reference_count = 0;
+  std::uint64_t count = 0, points = 0, removed = 0, reference_count = 0;
   std::vector<HullVertex> hull;
   HullVertex lowest;
 };
 
-TileOutline outline_of(const store::Reader& in, std::uint32_t tile, bool has_reference) {
+// @param prefix  of the reference points; null: there are none
+TileOutline outline_of(const store::Reader& in, std::uint32_t tile, const char* prefix) {
   TileOutline out;
   for (const LatticeBox& b : read_block_boxes(in)) out.box.extend(b);
   out.count = in.size("x");
   out.points = static_cast<std::uint64_t>(in.integer("points"));
-  if (has_reference) {
-    for (const LatticeBox& b : read_block_boxes(in, kReference)) out.reference_box.extend(b);
-    out.reference_count = in.size(std::string(kReference) + "x");
+  if (in.has_attribute("removed")) out.removed = static_cast<std::uint64_t>(in.integer("removed"));
+  if (prefix != nullptr) {
+    for (const LatticeBox& b : read_block_boxes(in, prefix)) out.reference_box.extend(b);
+    out.reference_count = in.size(std::string(prefix) + "x");
   }
   if (out.count == 0) return out;
   for (const std::uint32_t i : in.read<std::uint32_t>("hull")) out.hull.push_back(read_vertex(in, tile, i));
@@ -42,15 +44,13 @@ TileOutline outline_of(const store::Reader& in, std::uint32_t tile, bool has_ref
   return out;
 }
 
-}  // namespace
-
-void make_outline(const RunContext& context) {
+// Of the tiles' points as `from` left them.
+void write_outline(const RunContext& context, Phase from, Phase phase, const char* prefix) {
   Outline outline;
   std::vector<HullVertex> candidates;
   std::vector<TileOutline> tiles(context.plan.num_tiles());
   for_all(context, tiles.size(), [&](std::uint64_t t) {
-    tiles[t] = outline_of(store::Reader(context.layout.unit(Phase::arrange, t)), static_cast<std::uint32_t>(t),
-                          context.plan.has_reference());
+    tiles[t] = outline_of(store::Reader(context.layout.unit(from, t)), static_cast<std::uint32_t>(t), prefix);
   });
   for (const TileOutline& tile : tiles) {
     outline.box.push_back(tile.box);
@@ -59,11 +59,11 @@ void make_outline(const RunContext& context) {
     outline.reference_box.push_back(tile.reference_box);
     outline.points += tile.points;
     outline.vertices += tile.count;
+    outline.removed += tile.removed;
     candidates.insert(candidates.end(), tile.hull.begin(), tile.hull.end());
     if (tile.count > 0 && (outline.lowest.point == PointId() || lower(tile.lowest, outline.lowest)))
       outline.lowest = tile.lowest;
   }
-  outline.duplicates = outline.points - outline.vertices;
   if (outline.vertices == 0)
     throw Error(ErrorKind::input,
                 context.plan.files.front().path +
@@ -76,8 +76,9 @@ void make_outline(const RunContext& context) {
                 context.plan.files.front().path + ": all " + std::to_string(outline.vertices) +
                     " points lie on one line, so there is no triangle; give points that span an area");
 
-  store::Writer out(context.layout.unit(Phase::outline, 0));
-  out.set("recipe", context.recipe(Phase::outline));
+  store::Writer out(context.layout.unit(phase, 0));
+  out.set("recipe", context.recipe(phase));
+  out.set("removed", static_cast<std::int64_t>(outline.removed));
   out.append("tile_count", outline.count, "vertices");
   out.append("tile_box", flatten(outline.box), "tight boxes: min x, min y, max x, max y");
   out.append("tile_reference_count", outline.reference_count, "reference points");
@@ -93,6 +94,17 @@ void make_outline(const RunContext& context) {
   out.append("hull_xyz", xyz);
   out.set("points", static_cast<std::int64_t>(outline.points));
   out.commit();
+}
+
+}  // namespace
+
+void survey_points(const RunContext& context) {
+  write_outline(context, Phase::arrange, Phase::survey, nullptr);
+}
+
+void make_outline(const RunContext& context) {
+  write_outline(context, context.thins() ? Phase::thin : Phase::arrange, Phase::outline,
+                context.has_reference() ? context.reference_prefix() : nullptr);
 }
 
 Outline load_outline(const std::string& path) {
@@ -113,7 +125,8 @@ Outline load_outline(const std::string& path) {
   out.hull.pop_back();
   out.points = static_cast<std::uint64_t>(in.integer("points"));
   for (const std::uint64_t c : out.count) out.vertices += c;
-  out.duplicates = out.points - out.vertices;
+  out.removed = static_cast<std::uint64_t>(in.integer("removed"));
+  out.duplicates = out.points - out.vertices - out.removed;
   out.tree = BoxTree(out.box);
   out.reference_tree = BoxTree(out.reference_box);
   return out;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "box_tree.h"
+#include "hydrotin/convex_hull.h"
 #include "hydrotin/id.h"
 #include "hydrotin/lattice.h"
 
@@ -28,6 +29,7 @@ struct Outline {
   std::vector<LatticeBox> reference_box;       ///< [tiles] tight box of these
   std::uint64_t points = 0;                    ///< kept by the filters
   std::uint64_t vertices = 0;
+  std::uint64_t removed = 0;  ///< by thinning
   std::uint64_t duplicates = 0;
   BoxTree tree{{}};            ///< of `box`
   BoxTree reference_tree{{}};  ///< of `reference_box`
@@ -40,9 +42,5 @@ struct Outline {
 };
 
 [[nodiscard]] Outline load_outline(const std::string& path);
-
-/// Indices of the strict convex hull, counter-clockwise from the smallest by (x, y); fewer than three if collinear.
-/// O(n log n), but most points are discarded in O(n) first. Positions are distinct.
-[[nodiscard]] std::vector<std::uint32_t> convex_hull(const std::vector<LatticePoint>& position);
 
 }  // namespace hydrotin

@@ -266,7 +266,7 @@ std::vector<std::uint32_t> Part::rim() const {
 
 Part load_part(const RunContext& context, std::uint32_t tile) {
   Part part;
-  const store::Reader arranged(context.layout.unit(Phase::arrange, tile));
+  const store::Reader arranged(context.points_unit(tile));
   const std::uint64_t count = context.outline.count[tile];
   if (arranged.size("x") != count) contradicts(arranged.path(), "its points are not those of the outline");
   part.own = read_points(arranged, 0, count);

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "block_index.h"
 #include "hydrotin/options.h"
 #include "hydrotin/pipeline.h"
 #include "ingest_index.h"
@@ -27,8 +28,20 @@ struct RunContext {
   PipelineOptions options;
   Layout layout;
   Plan plan;
-  Outline outline;                                                              ///< from phase `outline` on
+  Outline outline{};  ///< from phase `outline` on
+  Outline survey{};   ///< of all points, from phase `thin` on if points are thinned
   std::shared_ptr<IngestIndex> ingest_index = std::make_shared<IngestIndex>();  ///< filled by the first tile arranged
+
+  [[nodiscard]] bool thins() const { return options.thin.vertical_error_m.has_value(); }
+  /// The file that holds a tile's vertices: what `arrange` made, or what `thin` left of it.
+  [[nodiscard]] std::string points_unit(std::uint64_t tile) const {
+    return layout.unit(thins() ? Phase::thin : Phase::arrange, tile);
+  }
+  [[nodiscard]] bool has_reference() const {
+    return plan.has_reference() || (thins() && options.triangulation.removed_reference);
+  }
+  /// What the names of the arrays of reference points begin with there.
+  [[nodiscard]] const char* reference_prefix() const { return plan.has_reference() ? kReference : kRemoved; }
 
   std::shared_ptr<const PitPlaces> places = std::make_shared<PitPlaces>();  ///< layers of the pit options
 
@@ -39,6 +52,8 @@ struct RunContext {
 
 void ingest_file(const RunContext& context, std::uint32_t file);
 void arrange_tile(const RunContext& context, std::uint32_t tile);
+void survey_points(const RunContext& context);
+void thin_tile(const RunContext& context, std::uint32_t tile);
 void make_outline(const RunContext& context);
 void triangulate_tile(const RunContext& context, std::uint32_t tile);
 void join_pieces(const RunContext& context);
@@ -57,6 +72,7 @@ void find_members(const RunContext& context, std::uint32_t tile);
 void join_groups(const RunContext& context);
 void settle_groups(const RunContext& context, std::uint32_t tile);
 void finish_tile(const RunContext& context, std::uint32_t tile);
+void verify_tile(const RunContext& context, std::uint32_t tile);
 /// Whether there are rasters of the change.
 [[nodiscard]] bool wants_change_raster(const PipelineOptions& options);
 void rasterize_tile(const RunContext& context, std::uint32_t tile);

@@ -21,9 +21,13 @@ void check(const PipelineOptions& options) {
   if (options.triangulation.order < 0 || options.triangulation.order > 6)
     fail("triangulation.order: " + std::to_string(options.triangulation.order) + " is not possible; give 0 to 6");
   if (const auto objection = objection_to_run(options.triangulation)) fail("triangulation.objective: " + *objection);
+  if (const auto limit = options.thin.vertical_error_m; limit && !(*limit >= 0))
+    fail("thin.vertical_error_m: give a length from 0 on");
+  if (const auto cell = options.thin.cell_m; cell && !(*cell > 0))
+    fail("thin.cell_m: a cell must have a positive size");
   if (const auto limit = options.triangulation.max_error_m) {
     if (!(*limit >= 0)) fail("triangulation.max_error_m: give a length from 0 on");
-    if (options.triangulation.reference.empty())
+    if (!options.triangulation.has_reference())
       fail("triangulation.max_error_m: errors are those of reference points; give triangulation.reference");
   }
   const PitOptions& pits = options.pits;
@@ -36,23 +40,42 @@ void check(const PipelineOptions& options) {
     fail("pits.max_breach_depth_m: give a height from 0 on");
   if (pits.cheapest && pits.keep.any())
     fail("pits.cheapest: it says which pits to keep, as pits.keep does; give one of the two");
+  if (options.input.dem_band < 1) fail("input.dem_band: bands count from 1");
+  if (!(options.input.dem_quantum_m >= 1e-6 && options.input.dem_quantum_m <= 1e3))
+    fail("input.dem_quantum_m: give a length from 0.000001 to 1000");
+  if (options.triangulation.removed_reference && !options.thin.vertical_error_m)
+    fail(
+        "triangulation.reference: no point is removed that could be one; set thin.vertical_error_m, or leave out "
+        "'removed'");
   if (options.tiles.target_points < 1000)
     fail("tiles.target_points: " + std::to_string(options.tiles.target_points) + " is too few; give 1,000 or more");
   if (!(options.output.dem.cell_m > 0)) fail("output.dem.cell_m: a cell must have a positive size");
   if (!(options.output.dem.max_edge_m >= 0)) fail("output.dem.max_edge_m: give a length, or 0 for no limit");
 }
 
-RunContext plan_context(const PipelineOptions& options) {
+// What thinning implies: the points removed are reference points unless others are named, and its limit is theirs.
+PipelineOptions settled(PipelineOptions options) {
+  TriangulationOptions& triangulation = options.triangulation;
+  if (!options.thin.vertical_error_m) return options;
+  if (!triangulation.has_reference()) triangulation.removed_reference = true;
+  if (triangulation.removed_reference && !triangulation.max_error_m)
+    triangulation.max_error_m = options.thin.vertical_error_m;
+  return options;
+}
+
+RunContext plan_context(const PipelineOptions& given) {
+  const PipelineOptions options = settled(given);
   check(options);
-  RunContext context{options, Layout(options), make_plan(options), {}};
+  RunContext context{options, Layout(options), make_plan(options), {}, {}};
   context.places = load_pit_places(options.pits, context.plan);
   return context;
 }
 
 // The plan that a job array agreed on, and the outline if it is there.
-RunContext stored_context(const PipelineOptions& options) {
+RunContext stored_context(const PipelineOptions& given) {
+  const PipelineOptions options = settled(given);
   check(options);
-  RunContext context{options, Layout(options), {}, {}};
+  RunContext context{options, Layout(options), {}, {}, {}};
   context.plan = load_plan(context.layout.unit(Phase::plan, 0));
   context.places = load_pit_places(options.pits, context.plan);
   return context;
@@ -65,11 +88,20 @@ void require_memory(const RunContext& context) {
   (void)tiles_in_flight(context.options.run, *worst, static_cast<std::uint64_t>(worst - expected.begin()));
 }
 
+Outline outline_by(const RunContext& context, Phase phase) {
+  Outline out = load_outline(context.layout.unit(phase, 0));
+  if (out.count.size() != context.plan.num_tiles())
+    throw Error(ErrorKind::storage, context.layout.unit(phase, 0) + ": it does not fit the plan; run the phase " +
+                                        std::string(name(phase)) + " again");
+  return out;
+}
+
 void load_outline_into(RunContext& context) {
-  context.outline = load_outline(context.layout.unit(Phase::outline, 0));
-  if (context.outline.count.size() != context.plan.num_tiles())
-    throw Error(ErrorKind::storage,
-                context.layout.unit(Phase::outline, 0) + ": it does not fit the plan; run the phase outline again");
+  context.outline = outline_by(context, Phase::outline);
+}
+
+void load_survey_into(RunContext& context) {
+  context.survey = outline_by(context, Phase::survey);
 }
 
 // Nothing is left to do if the index and everything it lists are complete and were made from the same.
@@ -102,7 +134,7 @@ std::optional<std::string> objection_to_run(const TriangulationOptions& options)
       default:
         break;
     }
-    if (needs_reference(objective) && options.reference.empty())
+    if (needs_reference(objective) && !options.has_reference())
       return quoted + " needs reference points; give their files as triangulation.reference";
   }
   if (const auto objection = objection_to(objectives))
@@ -116,7 +148,7 @@ PlanSummary plan_run(const PipelineOptions& options) {
   PlanSummary out;
   std::uint64_t reference = 0;
   for (const PlanFile& f : plan.files) {
-    out.files += !f.is_reference;
+    out.files += !f.is_reference && f.is_first();
     (f.is_reference ? reference : out.points) += f.points;
   }
   out.tiles = plan.num_tiles();
@@ -144,7 +176,9 @@ DatasetSummary run_pipeline(const PipelineOptions& options, const RunControl& co
   require_memory(context);
   for (std::size_t p = 0; p <= static_cast<std::size_t>(control.until); ++p) {
     const auto phase = static_cast<Phase>(p);
+    if (num_units(context, phase) == 0) continue;
     run_units(context, phase, 0, 1, control.overwrite, progress);
+    if (phase == Phase::survey) load_survey_into(context);
     if (phase == Phase::outline) load_outline_into(context);
   }
   if (control.until != Phase::report) return {};
@@ -157,6 +191,7 @@ void run_phase(const PipelineOptions& options, Phase phase, std::uint64_t task, 
     throw Error(ErrorKind::config,
                 "task " + std::to_string(task) + " of " + std::to_string(of) + " does not exist; tasks count from 0");
   RunContext context = phase == Phase::plan ? plan_context(options) : stored_context(options);
+  if (phase > Phase::survey && context.thins()) load_survey_into(context);
   if (phase > Phase::outline) load_outline_into(context);
   run_units(context, phase, task, of, false, progress);
 }

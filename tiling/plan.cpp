@@ -1,71 +1,46 @@
 #include "plan.h"
 
-#include <glob.h>
 #include <sys/stat.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
-#include <set>
 
 #include "hydrotin/crs.h"
 #include "hydrotin/error.h"
-#include "hydrotin/las.h"
+#include "plan_inputs.h"
 #include "recipe.h"
 #include "store.h"
 
 namespace hydrotin {
 namespace {
 
-// Glob patterns of plain paths are expanded; /vsi paths are taken as they are.
-std::vector<std::string> expand(const std::vector<std::string>& patterns, const std::string& key) {
-  std::set<std::string> paths;
-  for (const std::string& pattern : patterns) {
-    if (pattern.starts_with("/vsi")) {
-      paths.insert(pattern);
-      continue;
-    }
-    glob_t found{};
-    const int status = ::glob(pattern.c_str(), GLOB_TILDE | GLOB_BRACE, nullptr, &found);
-    if (status == 0)
-      for (std::size_t i = 0; i < found.gl_pathc; ++i) paths.insert(found.gl_pathv[i]);
-    ::globfree(&found);
-    if (status != 0)
-      throw Error(ErrorKind::input,
-                  key + ": nothing matches '" + pattern + "'; check the path, relative to the config file");
-  }
-  if (paths.empty()) throw Error(ErrorKind::config, key + ": no file is named; give at least one LAS or LAZ file");
-  return {paths.begin(), paths.end()};
-}
-
 // One CRS for all inputs, in which x and y are lengths.
-Crs common_crs(const std::vector<LasHeader>& headers, const std::vector<std::string>& paths,
-               const std::string& override_crs) {
+Crs common_crs(const std::vector<PlanInput>& inputs, const std::string& override_crs) {
   if (override_crs == "none") return {};
   Crs crs;
   std::string first;
   if (!override_crs.empty()) {
     crs = parse_crs(override_crs, "input.crs");
   } else {
-    for (std::size_t i = 0; i < headers.size(); ++i) {
-      if (headers[i].point_count == 0) continue;  // files without points are of no place
-      if (headers[i].crs_wkt.empty())
-        throw Error(ErrorKind::input, paths[i] +
+    for (const PlanInput& input : inputs) {
+      if (input.points == 0) continue;  // files without points are of no place
+      if (input.crs_wkt.empty())
+        throw Error(ErrorKind::input, input.path() +
                                           ": no CRS in the file; set input.crs (for instance EPSG:2154, or none "
                                           "for coordinates without one)");
-      const Crs own = crs_from_wkt(headers[i].crs_wkt, paths[i]);
+      const Crs own = crs_from_wkt(input.crs_wkt, input.path());
       if (crs.is_unknown()) {
         crs = own;
-        first = paths[i];
+        first = input.path();
       }
       if (!same_crs(crs, own))
-        throw Error(ErrorKind::input, paths[i] + ": its CRS " + own.name + " is not that of " + first + ", " +
+        throw Error(ErrorKind::input, input.path() + ": its CRS " + own.name + " is not that of " + first + ", " +
                                           crs.name + "; reproject one of them, or set input.crs if a header is wrong");
     }
   }
   if (!crs.is_projected)
-    throw Error(ErrorKind::input, paths[0] + ": its CRS " + crs.name +
+    throw Error(ErrorKind::input, inputs[0].path() + ": its CRS " + crs.name +
                                       " is not projected, but x and y have to be lengths; reproject the points, or set "
                                       "input.crs if the header is wrong");
   return crs;
@@ -143,71 +118,88 @@ class TileCutter {
   Plan& plan_;
 };
 
-std::string plan_recipe(const Plan& plan, const PipelineOptions& options, const std::vector<LasHeader>& headers) {
+std::string plan_recipe(const std::vector<PlanInput>& inputs, const PipelineOptions& options) {
   RecipeHash hash;
-  for (std::size_t i = 0; i < plan.files.size(); ++i) {
-    struct stat info {};
-    ::stat(plan.files[i].path.c_str(), &info);
-    hash.add(plan.files[i].path)
-        .add(static_cast<std::int64_t>(headers[i].file_bytes))
-        .add(static_cast<std::int64_t>(info.st_mtime))
-        .add(std::int64_t{plan.files[i].is_reference});
+  for (const PlanInput& input : inputs) {
+    hash.add(input.path()).add(static_cast<std::int64_t>(input.bytes));
+    for (const std::string& file : input.files) {
+      struct stat info {};
+      ::stat(file.c_str(), &info);
+      hash.add(static_cast<std::int64_t>(info.st_mtime)).add(static_cast<std::int64_t>(info.st_size));
+    }
+    hash.add(std::int64_t{input.is_reference}).add(std::int64_t{input.is_dem});
   }
   for (const std::uint8_t c : options.input.classes) hash.add(std::int64_t{c});
   hash.add(options.input.crs).add(std::int64_t{options.input.withheld}).add(std::int64_t{options.input.synthetic});
+  if (!options.input.dem.empty())
+    hash.add(std::int64_t{options.input.dem_band})
+        .add(options.input.dem_quantum_m)
+        .add(options.input.dem_nodata.value_or(std::numeric_limits<double>::infinity()));
   hash.add(static_cast<std::int64_t>(options.tiles.target_points));
   return hash.hex();
+}
+
+// Clouds are read in one piece, rasters in ranges of rows of whole blocks.
+std::vector<PlanFile> units_of(const PlanInput& input, const LatticeMap& map) {
+  if (!input.is_dem) return {{input.path(), input.points, map, input.is_reference, false, 0, 0}};
+  constexpr std::uint64_t kUnitCells = std::uint64_t{1} << 24;
+  const std::uint64_t high = input.block_rows;
+  const std::uint64_t rows = std::max<std::uint64_t>(1, kUnitCells / (high * input.num_columns)) * high;
+  std::vector<PlanFile> out;
+  for (std::uint64_t first = 0; first < input.num_rows; first += rows) {
+    const std::uint64_t count = std::min<std::uint64_t>(rows, input.num_rows - first);
+    out.push_back({input.path(), count * input.num_columns, map, false, true, first, count});
+  }
+  return out;
+}
+
+// The points of a unit, on the lattice.
+Spread spread_of(const PlanFile& file, const PlanInput& input, const Lattice& l) {
+  const auto at = [&](double v, double offset, std::int64_t base) {
+    return std::clamp(std::floor((v - offset) / l.scale_xy) - static_cast<double>(base), -2147483000.0, 2147483000.0);
+  };
+  const auto box = input.bounds(file.first_row, file.num_rows);
+  Spread s{at(box[0], l.offset_x, l.base_x), at(box[1], l.offset_y, l.base_y), at(box[2], l.offset_x, l.base_x),
+           at(box[3], l.offset_y, l.base_y),
+           static_cast<double>(file.points) / (file.is_reference ? kReferencePerPoint : 1)};
+  if (s.x1 < s.x0) std::swap(s.x0, s.x1);
+  if (s.y1 < s.y0) std::swap(s.y0, s.y1);
+  return s;
 }
 
 }  // namespace
 
 Plan make_plan(const PipelineOptions& options) {
-  std::vector<std::string> paths = expand(options.input.points, "input.points");
-  const std::size_t num_files = paths.size();
-  if (const auto& reference = options.triangulation.reference; !reference.empty())
-    for (std::string& path : expand(reference, "triangulation.reference")) paths.push_back(std::move(path));
-  std::vector<LasHeader> headers;
+  const std::vector<PlanInput> inputs = open_inputs(options);
   std::vector<FileLattice> with_points;
-  std::vector<std::size_t> number_of;
   bool has_points = false;
-  Plan plan;
-  for (const std::string& path : paths) {
-    headers.push_back(LasFile(path).header());  // opening checks that all points are there
-    const LasHeader& h = headers.back();
-    plan.files.push_back({path, h.point_count, {}, plan.files.size() >= num_files});
-    if (h.point_count == 0) continue;
-    has_points = has_points || !plan.files.back().is_reference;
-    with_points.push_back({path, h.scale, h.offset, h.min, h.max});
-    number_of.push_back(plan.files.size() - 1);
+  for (const PlanInput& input : inputs) {
+    if (input.points == 0) continue;
+    has_points = has_points || !input.is_reference;
+    with_points.push_back(input.lattice);
   }
   if (!has_points)
-    throw Error(ErrorKind::input, paths.front() + ": no point in any input; give files that have points");
-  const Crs crs = common_crs(headers, paths, options.input.crs);
+    throw Error(ErrorKind::input, inputs.front().path() + ": no point in any input; give files that have points");
+  const Crs crs = common_crs(inputs, options.input.crs);
+  Plan plan;
   plan.crs = crs.name;
   plan.crs_wkt = crs.wkt;
   plan.metres_per_unit = crs.metres_per_unit;
 
-  CommonLattice common = common_lattice(with_points);
+  const CommonLattice common = common_lattice(with_points);
   plan.lattice = common.lattice;
   std::vector<Spread> spreads;
-  for (std::size_t i = 0; i < with_points.size(); ++i) {
-    PlanFile& file = plan.files[number_of[i]];
-    file.map = common.map[i];
-    const auto at = [&](double v, double offset, std::int64_t base) {
-      return std::clamp(std::floor((v - offset) / plan.lattice.scale_xy) - static_cast<double>(base), -2147483000.0,
-                        2147483000.0);
-    };
-    const Lattice& l = plan.lattice;
-    const FileLattice& f = with_points[i];
-    spreads.push_back({at(f.min[0], l.offset_x, l.base_x), at(f.min[1], l.offset_y, l.base_y),
-                       at(f.max[0], l.offset_x, l.base_x), at(f.max[1], l.offset_y, l.base_y),
-                       static_cast<double>(file.points) / (file.is_reference ? kReferencePerPoint : 1)});
-    Spread& s = spreads.back();
-    if (s.x1 < s.x0) std::swap(s.x0, s.x1);
-    if (s.y1 < s.y0) std::swap(s.y0, s.y1);
+  auto map = common.map.begin();
+  for (const PlanInput& input : inputs) {
+    const bool has_some = input.points > 0;
+    for (const PlanFile& unit : units_of(input, has_some ? *map : LatticeMap{})) {
+      if (has_some) spreads.push_back(spread_of(unit, input, plan.lattice));
+      plan.files.push_back(unit);
+    }
+    if (has_some) ++map;
   }
   TileCutter(std::move(spreads), static_cast<double>(options.tiles.target_points), plan);
-  plan.recipe = plan_recipe(plan, options, headers);
+  plan.recipe = plan_recipe(inputs, options);
   return plan;
 }
 
@@ -224,9 +216,12 @@ void save_plan(const Plan& plan, const std::string& path) {
   std::vector<std::uint8_t> names;
   std::vector<std::uint64_t> points;
   std::vector<std::int64_t> map;
-  std::vector<std::uint8_t> is_reference;
+  std::vector<std::uint8_t> is_reference, is_dem;
+  std::vector<std::uint64_t> rows;
   for (const PlanFile& file : plan.files) {
     is_reference.push_back(file.is_reference);
+    is_dem.push_back(file.is_dem);
+    rows.insert(rows.end(), {file.first_row, file.num_rows});
     names.insert(names.end(), file.path.begin(), file.path.end());
     names.push_back(0);
     points.push_back(file.points);
@@ -235,6 +230,8 @@ void save_plan(const Plan& plan, const std::string& path) {
   out.append("file_path", names, "zero-terminated paths");
   out.append("file_points", points);
   out.append("file_is_reference", is_reference, "1: its points are no vertices");
+  out.append("file_is_dem", is_dem, "1: a raster, of which a range of rows is read");
+  out.append("file_rows", rows, "first row and number of rows of a raster's range");
   out.append("file_map", map, "factor and shift of x, y, z for each file");
   std::vector<std::int64_t> nodes;
   for (const PlanNode& n : plan.nodes) nodes.insert(nodes.end(), {n.axis, n.split, n.below, n.above});
@@ -264,12 +261,16 @@ Plan load_plan(const std::string& path) {
   const auto points = in.read<std::uint64_t>("file_points");
   const auto map = in.read<std::int64_t>("file_map");
   const auto is_reference = in.read<std::uint8_t>("file_is_reference");
-  if (is_reference.size() != points.size()) throw damaged();
+  const auto is_dem = in.read<std::uint8_t>("file_is_dem");
+  const auto rows = in.read<std::uint64_t>("file_rows");
+  if (is_reference.size() != points.size() || is_dem.size() != points.size() || rows.size() != 2 * points.size())
+    throw damaged();
   auto at = names.begin();
   for (std::size_t f = 0; f < points.size(); ++f) {
     const auto end = std::find(at, names.end(), std::uint8_t{0});
     if (end == names.end() || map.size() != 6 * points.size()) throw damaged();
-    PlanFile file{std::string(at, end), points[f], {}, is_reference[f] != 0};
+    PlanFile file{std::string(at, end), points[f],      {}, is_reference[f] != 0, is_dem[f] != 0,
+                  rows[2 * f],          rows[2 * f + 1]};
     for (std::size_t a = 0; a < 3; ++a) {
       file.map.factor[a] = map[6 * f + 2 * a];
       file.map.shift[a] = map[6 * f + 2 * a + 1];

@@ -25,6 +25,11 @@ struct PlanFile {
   std::uint64_t points = 0;
   LatticeMap map;
   bool is_reference = false;  ///< its points are no vertices
+  bool is_dem = false;        ///< a raster: the rows below are what the unit reads
+  std::uint64_t first_row = 0, num_rows = 0;
+
+  /// Whether it is the only or the first unit that reads the file.
+  [[nodiscard]] bool is_first() const { return first_row == 0; }
 };
 
 /// Inner node: points with (axis 0: x, axis 1: y) < `split` go to `below`, others to `above`. Leaf: axis 2, `below` =
@@ -37,9 +42,10 @@ struct PlanNode {
 
 struct Plan {
   std::string recipe;
-  std::vector<PlanFile> files;  ///< by path, those of reference points last
-  std::string crs, crs_wkt;     ///< empty: none
-  double metres_per_unit = 1;   ///< of x and y
+  std::vector<PlanFile>
+      files;  ///< units of ingest: rasters (in ranges of rows) by path, then points by path, then reference points
+  std::string crs, crs_wkt;    ///< empty: none
+  double metres_per_unit = 1;  ///< of x and y
   Lattice lattice;
   std::vector<PlanNode> nodes;          ///< root first
   std::vector<LatticeBox> core;         ///< [tiles] closed boxes that cover the lattice without overlap

@@ -7,6 +7,7 @@
 #include "hydrotin/raster_frame.h"
 #include "hydrotin/rasterize.h"
 #include "leftovers.h"
+#include "part_bounds.h"
 #include "phases.h"
 #include "terrain_file.h"
 
@@ -24,14 +25,6 @@ LatticeBox with_far_sides(LatticeBox box) {
   if (box.max.x < kMost) ++box.max.x;
   if (box.max.y < kMost) ++box.max.y;
   return box;
-}
-
-std::vector<LatticeBox> bounds_of_parts(const RunContext& context) {
-  const store::Reader in(context.layout.unit(Phase::drain, 0));
-  auto bounds = unflatten(in.read<std::int32_t>("tile_bounds"));
-  if (bounds.size() != context.plan.num_tiles())
-    throw Error(ErrorKind::storage, in.path() + ": its bounds are not one per tile; delete the file and run again");
-  return bounds;
 }
 
 // A raster is made in bands of rows of about so many cells: a tile may be mostly void and wider than memory.
@@ -117,7 +110,8 @@ RasterCount write_raster(const RunContext& context, std::uint32_t tile, RasterKi
     const LatticeBox reach = intersection(with_far_sides(box), around_rows(frame, lattice, band));
     for (std::uint32_t t = 0; t < parts.size(); ++t) {
       if (!parts[t].intersects(reach)) continue;
-      TrianglePatch patch = read_patch(store::Reader(context.layout.unit(Phase::finish, t)), reach);
+      TrianglePatch patch =
+          read_patch(store::Reader(context.layout.unit(Phase::finish, t)), reach, kind == RasterKind::change);
       if (kind == RasterKind::change) keep_changed(patch);
       with_height += rasterize(patch.position, patch.height, patch.triangle, lattice, frame, band, limit, value);
     }

@@ -26,6 +26,11 @@ std::string recipe(const std::string& plan_recipe, const PipelineOptions& option
   constexpr std::int64_t kFormat = 4;
   RecipeHash hash;
   hash.add(kFormat).add(plan_recipe).add(std::string(name(phase)));
+  if (phase >= Phase::thin && options.thin.vertical_error_m)
+    hash.add(*options.thin.vertical_error_m)
+        .add(options.thin.cell_m.value_or(-1))
+        .add(std::int64_t{options.thin.prune})
+        .add(std::int64_t{options.triangulation.removed_reference});
   if (phase >= Phase::triangulate)
     hash.add(std::int64_t{options.triangulation.order}).add(name(options.triangulation.objectives));
   if (phase >= Phase::triangulate) hash.add(options.triangulation.max_error_m.value_or(-1));

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "dem_cells.h"
 #include "file_checksum.h"
 #include "fingerprint.h"
 #include "hydrotin/measure.h"
@@ -22,6 +23,7 @@
 #include "polygon_figures.h"
 #include "reduced_store.h"
 #include "report_pits.h"
+#include "report_thinning.h"
 #include "schedule.h"
 #include "terrain_file.h"
 #include "tile_reference.h"
@@ -75,6 +77,7 @@ struct Figures {
   TriangulationFigures all;
   PitTable pits;  // of the terrain as measured
   PitFigures pit;
+  std::optional<ThinningFigures> thinning;
 };
 
 std::vector<TriangulationFigures> read_triangulations(const RunContext& context) {
@@ -186,6 +189,9 @@ Figures collect(const RunContext& context) {
   s.fingerprint = fingerprint.hex();
   if (context.options.pits.method != PitMethod::none && s.pits > 0)
     s.problems.push_back(std::to_string(s.pits) + " pits are left");
+  f.thinning = read_thinning(context);
+  if (f.thinning)
+    for (std::string& problem : problems_of(*f.thinning)) s.problems.push_back(std::move(problem));
   s.ok = s.problems.empty();
   return f;
 }
@@ -236,7 +242,7 @@ void write_rasters(const RunContext& context) {
 
 std::int64_t num_files(const Plan& plan, bool is_reference) {
   return std::count_if(plan.files.begin(), plan.files.end(),
-                       [&](const PlanFile& file) { return file.is_reference == is_reference; });
+                       [&](const PlanFile& file) { return file.is_reference == is_reference && file.is_first(); });
 }
 
 // Of the points measured: those inside the hull, in all; of one tile, what its polygons and vertices measured.
@@ -261,7 +267,7 @@ json to_json(const RunContext& context, const TriangulationFigures& f) {
               {"local_minima", f.minima},
               {"fallbacks", p.fallbacks},
               {"limit_missed", p.limit_missed}};
-  if (context.plan.has_reference())
+  if (context.has_reference())
     out["reference"] = {{"points", f.reference.points},
                         {"outside", f.reference.outside},
                         {"at_vertices", f.reference.at_vertices},
@@ -307,7 +313,10 @@ json to_json(const RunContext& context, const Figures& f) {
           {"tiles", context.plan.num_tiles()},
           {"files", num_files(context.plan, false)},
           {"reference_files", num_files(context.plan, true)},
+          {"cells_nodata", skipped_cells(context).nodata},
+          {"cells_not_finite", skipped_cells(context).not_finite},
           {"triangulation", triangulation},
+          {"thinning", f.thinning ? to_json(context, *f.thinning) : json()},
           {"pit_removal", json::parse(pits_json(context, f.pit))},
           {"ok", s.ok},
           {"points", s.points},
@@ -374,6 +383,8 @@ std::string to_text(const RunContext& context, const Figures& f) {
   out << "hydrotin " << version() << "\n\nInput\n";
   row("  files", num_files(context.plan, false));
   if (num_files(context.plan, true) > 0) row("  files of reference points", num_files(context.plan, true));
+  if (const SkippedCells skipped = skipped_cells(context); skipped.nodata + skipped.not_finite > 0)
+    row("  raster cells without height", skipped.nodata + skipped.not_finite);
   row("  CRS", context.plan.crs.empty() ? "none" : context.plan.crs);
   row("  points kept", s.points);
   row("  duplicates in (x, y)", s.duplicates);
@@ -398,7 +409,7 @@ std::string to_text(const RunContext& context, const Figures& f) {
     if (f.all.polygons.sizes[b] > 0) row("  " + bucket_name(b), f.all.polygons.sizes[b]);
   out << "\nPits\n";
   for (const auto& [label, value] : pit_rows(context, f.pit)) row(label, value);
-  if (context.plan.has_reference()) {
+  if (context.has_reference()) {
     out << "\nReference points\n";
     row("  points", f.all.reference.points);
     row("  outside the hull", f.all.reference.outside);
@@ -411,6 +422,7 @@ std::string to_text(const RunContext& context, const Figures& f) {
       row("  vertices beyond it", f.all.reference.beyond_limit);
     }
   }
+  if (f.thinning) write_text(context, *f.thinning, out);
   write_tiles(context, f, out);
   out << "\nResult\n";
   row("  fingerprint", s.fingerprint);
@@ -473,6 +485,7 @@ void write_index(const RunContext& context, const Figures& f) {
   out.set("pits_kept", static_cast<std::int64_t>(f.pit.kept));
   out.set("lowest_point", static_cast<std::int64_t>(context.outline.lowest.point.value));
   out.set("crs", context.plan.crs.size() < 60000 ? context.plan.crs : std::string());
+  if (f.thinning) write_to_index(context, *f.thinning, out);
   write_lattice(out, context.plan.lattice);
   out.append("tile_count", context.outline.count, "vertices that the tile owns");
   out.append("tile_box", flatten(context.outline.box), "tight boxes of them: min x, min y, max x, max y, lattice");

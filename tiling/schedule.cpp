@@ -16,9 +16,13 @@ namespace hydrotin {
 namespace {
 
 bool is_single(Phase phase) {
-  return phase == Phase::plan || phase == Phase::outline || phase == Phase::join || phase == Phase::mend ||
-         phase == Phase::rank || phase == Phase::choose || phase == Phase::drain || phase == Phase::lakes ||
-         phase == Phase::groups || phase == Phase::report;
+  return phase == Phase::plan || phase == Phase::survey || phase == Phase::outline || phase == Phase::join ||
+         phase == Phase::mend || phase == Phase::rank || phase == Phase::choose || phase == Phase::drain ||
+         phase == Phase::lakes || phase == Phase::groups || phase == Phase::report;
+}
+
+bool is_of_thinning(Phase phase) {
+  return phase == Phase::survey || phase == Phase::thin || phase == Phase::verify;
 }
 
 void do_unit(const RunContext& context, Phase phase, std::uint32_t unit) {
@@ -29,6 +33,10 @@ void do_unit(const RunContext& context, Phase phase, std::uint32_t unit) {
       return ingest_file(context, unit);
     case Phase::arrange:
       return arrange_tile(context, unit);
+    case Phase::survey:
+      return survey_points(context);
+    case Phase::thin:
+      return thin_tile(context, unit);
     case Phase::outline:
       return make_outline(context);
     case Phase::triangulate:
@@ -65,6 +73,8 @@ void do_unit(const RunContext& context, Phase phase, std::uint32_t unit) {
       return settle_groups(context, unit);
     case Phase::finish:
       return finish_tile(context, unit);
+    case Phase::verify:
+      return verify_tile(context, unit);
     case Phase::raster:
       return rasterize_tile(context, unit);
     case Phase::report:
@@ -72,12 +82,18 @@ void do_unit(const RunContext& context, Phase phase, std::uint32_t unit) {
   }
 }
 
+// Points of the tiles: as counted last, or as expected.
+const std::vector<std::uint64_t>& counts_known(const RunContext& context) {
+  if (!context.outline.count.empty()) return context.outline.count;
+  return context.survey.count.empty() ? context.plan.expected : context.survey.count;
+}
+
 std::uint64_t work_of(const RunContext& context, Phase phase, std::uint64_t unit) {
   if (phase == Phase::ingest) return context.plan.files[unit].points;
-  const bool counted = !context.outline.count.empty();
-  if (!is_single(phase)) return counted ? context.outline.count[unit] : context.plan.expected[unit];
+  const std::vector<std::uint64_t>& count = counts_known(context);
+  if (!is_single(phase)) return count[unit];
   std::uint64_t all = 0;
-  for (const std::uint64_t n : counted ? context.outline.count : context.plan.expected) all += n;
+  for (const std::uint64_t n : count) all += n;
   return all;
 }
 
@@ -88,7 +104,7 @@ std::uint32_t units_at_once(const RunContext& context, Phase phase) {
     return std::clamp<std::uint32_t>(static_cast<std::uint32_t>(context.options.run.memory_bytes / kFileNeed), 1,
                                      worker_count(context.options.run));
   }
-  std::vector<std::uint64_t> count = context.outline.count.empty() ? context.plan.expected : context.outline.count;
+  std::vector<std::uint64_t> count = counts_known(context);
   if (!context.outline.count.empty())
     for (std::size_t t = 0; t < count.size(); ++t) count[t] += context.outline.reference_count[t] / kReferencePerPoint;
   const auto largest = std::max_element(count.begin(), count.end());
@@ -134,6 +150,7 @@ std::uint32_t tiles_in_flight(const ExecutionOptions& run, std::uint64_t largest
 }
 
 std::uint64_t num_units(const RunContext& context, Phase phase) {
+  if (is_of_thinning(phase) && !context.thins()) return 0;
   const Plan& plan = context.plan;
   const PitMethod method = context.options.pits.method;
   if (phase >= Phase::pools && phase <= Phase::settle && method == PitMethod::none) return 0;

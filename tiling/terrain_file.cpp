@@ -30,7 +30,7 @@ std::vector<std::uint32_t> read_runs(const store::Reader& in, const LatticeBox& 
 }
 
 // Positions and heights of ascending own points, in stretches without wide gaps.
-void read_own(const store::Reader& in, std::span<const std::uint32_t> index, TrianglePatch& patch) {
+void read_own(const store::Reader& in, std::span<const std::uint32_t> index, bool with_measured, TrianglePatch& patch) {
   constexpr std::uint32_t kGap = 4096;
   for (std::size_t first = 0; first < index.size();) {
     std::size_t last = first + 1;
@@ -40,17 +40,19 @@ void read_own(const store::Reader& in, std::span<const std::uint32_t> index, Tri
     const auto y = in.read_range<std::int32_t>("y", begin, count);
     const auto z = in.read_range<std::int32_t>("z", begin, count);
     const auto height = in.read_range<std::int32_t>("height", begin, count);
+    const auto measured = with_measured ? in.read_range<std::int32_t>("z", begin, count) : std::vector<std::int32_t>();
     for (; first < last; ++first) {
       const std::size_t i = index[first] - begin;
       if (height[i] == kUnusedHeight) damaged(in, "a triangle uses a point without a height");
       patch.position.push_back({x[i], y[i]});
       patch.height.push_back(height[i]);
-      patch.measured.push_back(z[i]);
+      if (with_measured) patch.measured.push_back(measured[i]);
     }
   }
 }
 
-void read_foreign(const store::Reader& in, std::span<const std::uint32_t> number, TrianglePatch& patch) {
+void read_foreign(const store::Reader& in, std::span<const std::uint32_t> number, bool with_measured,
+                  TrianglePatch& patch) {
   if (number.empty()) return;
   const auto xyz = in.read<std::int32_t>("foreign_xyz");
   const auto height = in.read<std::int32_t>("foreign_height");
@@ -59,7 +61,7 @@ void read_foreign(const store::Reader& in, std::span<const std::uint32_t> number
     if (f >= height.size()) damaged(in, "a triangle refers to a vertex that is not listed");
     patch.position.push_back({xyz[3 * std::size_t{f}], xyz[3 * std::size_t{f} + 1]});
     patch.height.push_back(height[f]);
-    patch.measured.push_back(xyz[3 * std::size_t{f} + 2]);
+    if (with_measured) patch.measured.push_back(xyz[3 * std::size_t{f} + 2]);
   }
 }
 
@@ -78,7 +80,7 @@ Lattice read_lattice(const store::Reader& in) {
   return {scale[0], scale[1], scale[2], scale[3], scale[4], base[0], base[1], base[2]};
 }
 
-TrianglePatch read_patch(const store::Reader& in, const LatticeBox& box) {
+TrianglePatch read_patch(const store::Reader& in, const LatticeBox& box, bool with_measured) {
   TrianglePatch patch;
   patch.triangle = read_runs(in, box);
   const std::uint64_t num_own = in.size("x"), num_vertices = num_own + in.size("foreign_point");
@@ -99,8 +101,8 @@ TrianglePatch read_patch(const store::Reader& in, const LatticeBox& box) {
       foreign.push_back(static_cast<std::uint32_t>(v - num_own));
   }
   for (std::uint32_t& v : patch.triangle) v = number[v];
-  read_own(in, own, patch);
-  read_foreign(in, foreign, patch);
+  read_own(in, own, with_measured, patch);
+  read_foreign(in, foreign, with_measured, patch);
   return patch;
 }
 

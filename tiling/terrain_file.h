@@ -25,6 +25,7 @@
 ///     pit_vertices    u64 [Q]   vertices of their plateaus
 ///     outlet_vertex   u32       vertices at which water may leave by a layer or at voids, numbered as in triangle
 ///     kept_vertex     u32       vertices of pits that were to be kept
+///     removed_x, removed_y, removed_z, removed_block_box   as x, y, z, block_box: own points that thinning removed
 ///     final_...                 plateaus of the final heights (see reduced_store.h)
 ///     lattice_scale_offset f64 [5], lattice_base i64 [3]
 ///                               coordinate = (base + integer) * scale + offset
@@ -45,12 +46,12 @@ void write_lattice(store::Writer& out, const Lattice& lattice);
 struct TrianglePatch {
   std::vector<LatticePoint> position;
   std::vector<std::int32_t> height;     ///< final
-  std::vector<std::int32_t> measured;
+  std::vector<std::int32_t> measured;   ///< if asked for
   std::vector<std::uint32_t> triangle;  ///< [3T]
 };
 
 /// The runs of triangles of a terrain file whose boxes meet `box`; only what they need is read.
 /// Fails: Error(storage) naming the file.
-[[nodiscard]] TrianglePatch read_patch(const store::Reader& in, const LatticeBox& box);
+[[nodiscard]] TrianglePatch read_patch(const store::Reader& in, const LatticeBox& box, bool with_measured = false);
 
 }  // namespace hydrotin

@@ -25,6 +25,7 @@ std::vector<LatticeBox> boxes_beyond(const LatticeBox& core, const CertifiedTile
 // Points of other tiles in blocks that meet one of the boxes.
 TilePoints read_around(const RunContext& context, std::uint32_t tile, std::vector<LatticeBox> boxes) {
   TilePoints out;
+  const std::string prefix = context.reference_prefix();
   LatticeBox all;
   for (const LatticeBox& box : boxes) all.extend(box);
   const BoxTree tree(std::move(boxes));
@@ -41,14 +42,13 @@ TilePoints read_around(const RunContext& context, std::uint32_t tile, std::vecto
       [&](const LatticeBox& box) { return all.intersects(box); },
       [&](std::uint32_t t) {
         if (t == tile || !meets_any(context.outline.reference_box[t])) return true;
-        const store::Reader in(context.layout.unit(Phase::arrange, t));
-        const std::vector<LatticeBox> block = read_block_boxes(in, kReference);
-        const std::uint64_t total = in.size(std::string(kReference) + "x");
+        const store::Reader in(context.points_unit(t));
+        const std::vector<LatticeBox> block = read_block_boxes(in, prefix);
+        const std::uint64_t total = in.size(prefix + "x");
         for (std::uint64_t b = 0; b < block.size(); ++b) {
           if (!meets_any(block[b])) continue;
           const std::uint64_t first = b * kBlockPoints;
-          const TilePoints some =
-              read_points(in, first, std::min<std::uint64_t>(kBlockPoints, total - first), kReference);
+          const TilePoints some = read_points(in, first, std::min<std::uint64_t>(kBlockPoints, total - first), prefix);
           out.position.insert(out.position.end(), some.position.begin(), some.position.end());
           out.height.insert(out.height.end(), some.height.begin(), some.height.end());
         }
@@ -85,13 +85,13 @@ ReferenceLocation in_owned(const std::vector<std::uint8_t>& owned, const Referen
 TileReference read_tile_reference(const RunContext& context, std::uint32_t tile, const CertifiedTile& certified,
                                   std::span<const std::int32_t> height, const ErrorLimit* limit) {
   TileReference out;
-  const store::Reader arranged(context.layout.unit(Phase::arrange, tile));
+  const store::Reader arranged(context.points_unit(tile));
   out.points = context.outline.reference_count[tile];
-  if (arranged.size(std::string(kReference) + "x") != out.points)
+  if (arranged.size(std::string(context.reference_prefix()) + "x") != out.points)
     throw Error(ErrorKind::storage, arranged.path() +
                                         ": its reference points are not those of the outline; delete the "
                                         "file and run again");
-  const TilePoints own = read_points(arranged, 0, out.points, kReference);
+  const TilePoints own = read_points(arranged, 0, out.points, context.reference_prefix());
   const TriangulationView tri = certified.triangulation.view();
   if (tri.num_triangles() == 0) {  // a tile without vertices
     out.outside = count_outside(context.outline, own.position);

@@ -398,7 +398,7 @@ void triangulate_tile(const RunContext& context, std::uint32_t tile) {
   const CertifiedTile certified = certify(around, k, executor);
   const PolygonOptions solving = polygon_options(context);
   TileReference reference;
-  const bool has_reference = context.plan.has_reference();
+  const bool has_reference = context.has_reference();
   if (has_reference)
     reference = read_tile_reference(context, tile, certified, around.height(),
                                     solving.max_error ? &*solving.max_error : nullptr);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -125,17 +126,38 @@ std::string resolved(const std::filesystem::path& folder, const std::string& pat
   return (folder / path).lexically_normal().string();  // an absolute path stays what it is
 }
 
+// Rasters whose cells are points.
+void read_dem_input(const Reader& input, const std::filesystem::path& folder, InputOptions& options) {
+  const std::string patterns = "a list of rasters or patterns";
+  if (const Reader dem = input.at("dem"); dem.is_given()) {
+    for (const Reader& item : dem.list(patterns)) options.dem.push_back(resolved(folder, item.text(patterns)));
+    if (options.dem.empty()) dem.refuse(patterns + " that is not empty");
+  }
+  if (const Reader band = input.at("dem_band"); band.is_given())
+    options.dem_band = static_cast<int>(band.integer(1, 100000));
+  if (const Reader quantum = input.at("dem_quantum_m"); quantum.is_given())
+    options.dem_quantum_m = quantum.real(1e-6, 1e3, "a length from 0.000001 to 1000");
+  if (const Reader nodata = input.at("dem_nodata"); nodata.is_given())
+    options.dem_nodata =
+        nodata.real(-std::numeric_limits<double>::max(), std::numeric_limits<double>::max(), "a number");
+}
+
 void read_input(const Reader& input, const std::filesystem::path& folder, const std::string& file,
                 InputOptions& options) {
-  input.require_keys({"points", "classes", "rivers", "lakes", "crs", "withheld", "synthetic"});
+  input.require_keys({"points", "dem", "dem_band", "dem_quantum_m", "dem_nodata", "classes", "rivers", "lakes", "crs",
+                      "withheld", "synthetic"});
   input.refuse_for_now("rivers", "embed rivers");
   input.refuse_for_now("lakes", "embed lakes");
   const Reader points = input.at("points");
   const std::string patterns = "a list of LAS or LAZ files or patterns";
-  if (!points.is_given())
-    fail(input.is_given() ? input.place() : file, "input.points is missing (give " + patterns + ")");
-  for (const Reader& item : points.list(patterns)) options.points.push_back(resolved(folder, item.text(patterns)));
-  if (options.points.empty()) points.refuse(patterns + " that is not empty");
+  read_dem_input(input, folder, options);
+  if (!points.is_given() && options.dem.empty())
+    fail(input.is_given() ? input.place() : file,
+         "input.points is missing (give " + patterns + ", or rasters as input.dem)");
+  if (points.is_given()) {
+    for (const Reader& item : points.list(patterns)) options.points.push_back(resolved(folder, item.text(patterns)));
+    if (options.points.empty() && options.dem.empty()) points.refuse(patterns + " that is not empty");
+  }
 
   if (const Reader classes = input.at("classes"); classes.is_given()) {
     options.classes.clear();
@@ -213,7 +235,19 @@ void read_budget(const Reader& budget, PolygonBudget& options) {
       *most = static_cast<std::uint32_t>(given.integer(1, std::uint64_t{1} << 31));
 }
 
-void read_triangulation(const Reader& triangulation, const std::filesystem::path& folder,
+void read_thin(const Reader& thin, ThinOptions& options) {
+  thin.require_keys({"vertical_error_m", "cell_m", "prune"});
+  if (const Reader limit = thin.at("vertical_error_m"); limit.is_given())
+    options.vertical_error_m = limit.real(0, 1e6, "a height in metres from 0 to 1000000");
+  if (const Reader cell = thin.at("cell_m"); cell.is_given())
+    options.cell_m = cell.real(1e-3, 1e6, "a length in metres from 0.001 to 1000000");
+  if (const Reader prune = thin.at("prune"); prune.is_given()) options.prune = prune.boolean();
+  for (const char* key : {"cell_m", "prune"})
+    if (const Reader given = thin.at(key); given.is_given() && !options.vertical_error_m)
+      fail(given.place(), given.name() + ": nothing is thinned (give thin.vertical_error_m)");
+}
+
+void read_triangulation(const Reader& triangulation, const std::filesystem::path& folder, bool thins,
                         TriangulationOptions& options) {
   triangulation.require_keys({"order", "objective", "reference", "max_error_m", "budget"});
   read_budget(triangulation.at("budget"), options.budget);
@@ -221,13 +255,21 @@ void read_triangulation(const Reader& triangulation, const std::filesystem::path
     options.order = static_cast<int>(order.integer(0, 6));
   const Reader reference = triangulation.at("reference");
   if (reference.is_given()) {
-    const std::string patterns = "a list of LAS or LAZ files or patterns";
-    for (const Reader& item : reference.list(patterns))
-      options.reference.push_back(resolved(folder, item.text(patterns)));
+    const std::string patterns = "a list of LAS or LAZ files or patterns, or removed";
+    for (const Reader& item : reference.list(patterns)) {
+      if (item.text(patterns) != "removed") {
+        options.reference.push_back(resolved(folder, item.text(patterns)));
+        continue;
+      }
+      if (!thins) fail(item.place(), item.name() + ": nothing is removed (give thin.vertical_error_m)");
+      options.removed_reference = true;
+    }
+  } else {
+    options.removed_reference = thins;
   }
   if (const Reader limit = triangulation.at("max_error_m"); limit.is_given()) {
     options.max_error_m = limit.real(0, 1e6, "a height in metres from 0 to 1000000");
-    if (options.reference.empty())
+    if (!options.has_reference())
       fail(limit.place(), limit.name() + ": errors are those of reference points (give triangulation.reference)");
   }
   if (const Reader objective = triangulation.at("objective"); objective.is_given()) {
@@ -342,7 +384,7 @@ PipelineOptions read_config(const std::filesystem::path& path, std::span<const C
   ConfigValue tree = read_config_tree(path);
   for (const auto& override : overrides) apply_override(tree, override);
   const Reader root(&tree, "");
-  root.require_keys({"input", "output", "tiles", "triangulation", "rivers", "pits", "run"});
+  root.require_keys({"input", "output", "tiles", "thin", "triangulation", "rivers", "pits", "run"});
   root.refuse_for_now("rivers", "embed rivers");
 
   const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
@@ -353,7 +395,9 @@ PipelineOptions read_config(const std::filesystem::path& path, std::span<const C
   tiles.require_keys({"target_points"});
   if (const Reader target = tiles.at("target_points"); target.is_given())
     options.tiles.target_points = target.integer(1000, 1'000'000'000);
-  read_triangulation(root.at("triangulation"), folder, options.triangulation);
+  read_thin(root.at("thin"), options.thin);
+  read_triangulation(root.at("triangulation"), folder, options.thin.vertical_error_m.has_value(),
+                     options.triangulation);
   read_pits(root.at("pits"), folder, options.pits);
   read_run(root.at("run"), folder, options.run);
   return options;

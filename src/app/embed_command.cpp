@@ -84,8 +84,9 @@ void warn(const EmbedInput& input, const Embedding& embedding) {
     }
     const BrokenRow& broken = embedding.broken[i];
     const auto& place = input.position[broken.vertex.front()];
-    fmt::print(stderr, "hydrotin: near x {} y {}: the {} row of vertices {} contradicts others: {} m are missing{}\n",
-               place[0], place[1], name_of(broken.kind), fmt::join(broken.vertex, ", "), broken.missing,
+    fmt::print(stderr, "hydrotin: near x {} y {}: the {} row of vertices {} {}: {} m are missing{}\n", place[0],
+               place[1], name_of(broken.kind), fmt::join(broken.vertex, ", "),
+               embedding.optimal ? "contradicts others" : "does not hold yet", broken.missing,
                broken.is_strict_part ? " of what goes beyond the weak row" : "");
   }
 }
@@ -234,7 +235,7 @@ void print_fill(const EmbedResult& result) {
 
 /// The tables of Section 7.2, a river a line.
 void print_rivers(const NamedRivers& rivers) {
-  if (rivers.name.size() < 2 && rivers.name[0].starts_with("network")) return;
+  if (rivers.name.empty() || (rivers.name.size() == 1 && rivers.name[0].starts_with("network"))) return;
   fmt::print("\n{:<28}{:>7}{:>11}  {:>13}{:>13}{:>11}{:>11}{:>9}{:>11}{:>9}\n", "river", "edges", "length",
              "wrong flow", "not valley", "flat", "leaks", "moved", "change", "average");
   for (std::size_t i = 0; i < rivers.name.size(); ++i) {

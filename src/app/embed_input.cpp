@@ -174,6 +174,16 @@ void find_outlet_vertices(const EmbedArguments& arguments, EmbedInput& input, co
     if (mouth.kind == MouthKind::closed) input.is_outlet[mouth.vertex] = 1;
 }
 
+/// An edge that a Steiner point cut has no type any more.
+void drop_cut_edges(const EmbedInput& input, RiverConstraints& constraints) {
+  if (constraints.preserve.empty()) return;
+  const TerrainEdges edges(input.triangle);
+  const std::size_t cut =
+      std::erase_if(constraints.preserve, [&](const PreservedEdge& edge) { return !edges.contains(edge.a, edge.b); });
+  if (cut > 0)
+    fmt::print(stderr, "hydrotin: {} edges to be preserved lie between rivers and were cut by Steiner points\n", cut);
+}
+
 /// Mouths, chains to outlets, and wingtips that are free to rise.
 void prepare_mouths(const EmbedArguments& arguments, EmbedInput& input, RiverConstraints& constraints) {
   find_outlet_vertices(arguments, input, constraints);
@@ -198,6 +208,7 @@ void prepare_mouths(const EmbedArguments& arguments, EmbedInput& input, RiverCon
   counts.emplace_back("triangles_too_small", left);
   input.refresh();
   find_outlet_vertices(arguments, input, constraints);
+  drop_cut_edges(input, constraints);
 }
 
 }  // namespace

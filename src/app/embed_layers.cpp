@@ -95,12 +95,14 @@ class LayerWriter {
                                              {"missing", FieldType::real},
                                              {"vertices", FieldType::text},
                                              {"reason", FieldType::text}});
-    for (const BrokenRow& row : embedding.broken)
-      file_.add_point(layer, point(row.vertex[0]),
-                      Values{std::string(name_of(row.kind)), row.missing, fmt::format("{}", fmt::join(row.vertex, " ")),
-                             std::string(row.is_strict_part
-                                             ? "holds weakly; its decline or side slope contradicts other constraints"
-                                             : "contradicts other constraints or the largest change")});
+    for (const BrokenRow& row : embedding.broken) {
+      std::string reason = "contradicts other constraints or the largest change";
+      if (row.is_strict_part) reason = "holds weakly; its decline or side slope contradicts other constraints";
+      if (!embedding.optimal) reason = "the time limit ended the search before it held";
+      file_.add_point(
+          layer, point(row.vertex[0]),
+          Values{std::string(name_of(row.kind)), row.missing, fmt::format("{}", fmt::join(row.vertex, " ")), reason});
+    }
   }
 
   void add_mouths() {

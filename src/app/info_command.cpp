@@ -1,13 +1,18 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "commands.h"
+#include "hydrotin/crs.h"
+#include "hydrotin/dem_points.h"
 #include "hydrotin/error.h"
 #include "hydrotin/las_summary.h"
 
@@ -48,6 +53,46 @@ Json describe(const std::string& path, const LasSummary& summary, bool with_chec
   return json;
 }
 
+/// A raster as points: every cell is read.
+Json describe_raster(const std::string& path) {
+  DemFile dem(path);
+  const DemHeader& h = dem.header();
+  std::uint64_t points = 0;
+  constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
+  std::array<std::int64_t, 3> low{kMost, kMost, kMost}, high{-kMost, -kMost, -kMost};
+  const DemSkips skips = dem.read(0, h.num_rows, [&](const DemBatch& batch) {
+    points += batch.size();
+    const std::array axes{&batch.x, &batch.y, &batch.z};
+    for (std::size_t a = 0; a < 3; ++a)
+      for (const std::int64_t v : *axes[a]) {
+        low[a] = std::min(low[a], v);
+        high[a] = std::max(high[a], v);
+      }
+  });
+  const auto place = [&](const std::array<std::int64_t, 3>& steps) {
+    if (points == 0) return Json(nullptr);
+    Json out = Json::array();
+    for (const std::int64_t v : steps) out.push_back(static_cast<double>(v) * DemReading{}.quantum);
+    return out;
+  };
+  return {{"path", path},
+          {"raster", h.driver},
+          {"type", h.type},
+          {"bands", h.num_bands},
+          {"columns", h.num_columns},
+          {"rows", h.num_rows},
+          {"cell", h.step},
+          {"points", points},
+          {"cells_nodata", skips.nodata},
+          {"cells_not_finite", skips.not_finite},
+          {"nodata", h.nodata && std::isfinite(*h.nodata) ? Json(*h.nodata) : Json(nullptr)},
+          {"min", place(low)},
+          {"max", place(high)},
+          {"crs", text_or_null(crs_from_wkt(h.crs_wkt, path).name)},
+          {"complete", true},
+          {"problem", nullptr}};
+}
+
 /// A file whose header says nothing.
 Json describe_unreadable(const std::string& path, const std::string& problem) {
   Json json = {{"path", path}};
@@ -74,9 +119,9 @@ void add_info_command(CLI::App& program, Action& action) {
     bool json = false, checksum = false;
   };
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
-      program.add_subcommand("info", "header, bounds, CRS, classes and completeness of LAS or LAZ files");
-  command->add_option("files", arguments->files, "LAS or LAZ files; every point is decoded")
+  CLI::App* command = program.add_subcommand(
+      "info", "header, bounds, CRS, classes and completeness of LAS or LAZ files; rasters as points");
+  command->add_option("files", arguments->files, "LAS or LAZ files or rasters; every point is decoded")
       ->required()
       ->type_name("FILE");
   command->add_flag("--json", arguments->json, "print JSON");
@@ -87,7 +132,9 @@ void add_info_command(CLI::App& program, Action& action) {
       bool all_good = true;
       for (const auto& path : arguments->files) {
         try {
-          files.push_back(describe(path, summarize_las(path, arguments->checksum), arguments->checksum));
+          files.push_back(is_raster(path)
+                              ? describe_raster(path)
+                              : describe(path, summarize_las(path, arguments->checksum), arguments->checksum));
         } catch (const Error& error) {  // this file's answer, not the end of the command
           files.push_back(describe_unreadable(path, error.what()));
         }

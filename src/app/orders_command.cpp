@@ -55,7 +55,7 @@ void add_orders_command(CLI::App& program, Action& action) {
   auto arguments = std::make_shared<OrdersArguments>();
   CLI::App* command =
       program.add_subcommand("orders", "useful and fixed edges, order-k triangles and polygons of a small point set");
-  command->add_option("points", arguments->points, "CSV with header x,y,z, or LAS or LAZ")
+  command->add_option("points", arguments->points, "CSV with header x,y,z, LAS, LAZ, or a raster of heights")
       ->required()
       ->type_name("POINTS");
   command->add_option("--order", arguments->order, "0 to 20")->capture_default_str()->type_name("K");

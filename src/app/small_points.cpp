@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <numeric>
 
 #include "hydrotin/csv_points.h"
+#include "hydrotin/dem_points.h"
 #include "hydrotin/error.h"
 #include "hydrotin/hilbert.h"
 #include "hydrotin/las.h"
@@ -166,6 +168,72 @@ RawPoints read_las(const std::string& path, const std::string& reference, SmallP
   return raw;
 }
 
+/// Cells of a raster with heights, in quanta.
+struct DemCells {
+  std::array<std::vector<std::int64_t>, 3> xyz;
+  std::vector<std::uint32_t> cell;
+  std::uint64_t num_cells = 0;
+  std::string crs_wkt;
+};
+
+DemCells read_dem_cells(const std::string& path, SmallPoints& points) {
+  DemFile dem(path);
+  DemCells out;
+  out.num_cells = dem.header().num_cells();
+  out.crs_wkt = dem.header().crs_wkt;
+  if (out.num_cells > kMaxPoints)
+    throw Error(ErrorKind::input, path + ": more than " + std::to_string(kMaxPoints) + " cells (use hydrotin run)");
+  const DemSkips skips = dem.read(0, dem.header().num_rows, [&](const DemBatch& batch) {
+    out.xyz[0].insert(out.xyz[0].end(), batch.x.begin(), batch.x.end());
+    out.xyz[1].insert(out.xyz[1].end(), batch.y.begin(), batch.y.end());
+    out.xyz[2].insert(out.xyz[2].end(), batch.z.begin(), batch.z.end());
+    for (const std::uint64_t cell : batch.cell) out.cell.push_back(static_cast<std::uint32_t>(cell));
+  });
+  if (skips.nodata + skips.not_finite > 0)
+    points.notes.push_back(fmt::format("{} cells have no height and are left out", skips.nodata + skips.not_finite));
+  points.notes.push_back(fmt::format("cell centres and heights are multiples of {:g}", DemReading{}.quantum));
+  return out;
+}
+
+/// The cells of two rasters share one lattice, so the bases of the first and the span of both count.
+RawPoints read_dem(const std::string& path, const std::string& reference, SmallPoints& points) {
+  const DemCells cells = read_dem_cells(path, points);
+  const DemCells more = reference.empty() ? DemCells{} : read_dem_cells(reference, points);
+  points.num_rows = cells.num_cells;
+  points.crs_wkt = cells.crs_wkt;
+  RawPoints raw;
+  if (cells.cell.empty()) return raw;
+  std::array<std::int64_t, 3> base{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    base[axis] = base_of(cells.xyz[axis]);
+    for (const DemCells* some : {&cells, &more})
+      for (const std::int64_t v : some->xyz[axis])
+        if (std::abs(v - base[axis]) >= std::numeric_limits<std::int32_t>::max())
+          throw Error(ErrorKind::input, fmt::format(
+                                            "{}: {} spans more than 32 bits hold at a unit of {:g} (use hydrotin "
+                                            "run with a larger input.dem_quantum_m)",
+                                            some == &cells ? path : reference, "xyz" [axis], DemReading {}.quantum));
+  }
+  const auto at = [&](const DemCells& some, std::size_t axis, std::size_t i) {
+    return static_cast<std::int32_t>(some.xyz[axis][i] - base[axis]);
+  };
+  points.lattice = {.scale_xy = DemReading{}.quantum,
+                    .scale_z = DemReading{}.quantum,
+                    .base_x = base[0],
+                    .base_y = base[1],
+                    .base_z = base[2]};
+  for (std::size_t i = 0; i < cells.cell.size(); ++i) {
+    raw.position.push_back({at(cells, 0, i), at(cells, 1, i)});
+    raw.height.push_back(at(cells, 2, i));
+    raw.row.push_back(cells.cell[i]);
+  }
+  for (std::size_t i = 0; i < more.cell.size(); ++i) {
+    points.reference_position.push_back({at(more, 0, i), at(more, 1, i)});
+    points.reference_height.push_back(at(more, 2, i));
+  }
+  return raw;
+}
+
 /// Of the points at one place the lowest stays, of equal ones the first; the rest in curve order.
 void keep_distinct(const RawPoints& raw, SmallPoints& points) {
   std::vector<std::uint32_t> order(raw.row.size());
@@ -195,15 +263,25 @@ bool is_las(const std::string& path) {
   return std::string_view(magic, sizeof magic) == "LASF";
 }
 
+enum class Kind : std::uint8_t { csv, las, dem };
+
+Kind kind_of_file(const std::string& path) {
+  return is_las(path) ? Kind::las : is_raster(path) ? Kind::dem : Kind::csv;
+}
+
 }  // namespace
 
 SmallPoints load_small_points(const std::string& path, const std::string& reference) {
   SmallPoints points;
-  const bool las = is_las(path);
-  if (!reference.empty() && is_las(reference) != las)
-    throw Error(ErrorKind::input,
-                reference + ": points and reference points must both be CSV, or both LAS or LAZ (convert one of them)");
-  keep_distinct(las ? read_las(path, reference, points) : read_csv(path, reference, points), points);
+  const Kind kind = kind_of_file(path);
+  if (!reference.empty() && kind_of_file(reference) != kind)
+    throw Error(ErrorKind::input, reference +
+                                      ": points and reference points must both be CSV, both LAS or LAZ, or both "
+                                      "rasters (convert one of them)");
+  keep_distinct(kind == Kind::las   ? read_las(path, reference, points)
+                : kind == Kind::dem ? read_dem(path, reference, points)
+                                    : read_csv(path, reference, points),
+                points);
   return points;
 }
 

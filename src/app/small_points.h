@@ -9,11 +9,12 @@
 
 namespace hydrotin::app {
 
-/// The points of a one-shot command: read from CSV, LAS or LAZ, put on a lattice, without duplicates, in curve order.
+/// The points of a one-shot command: read from CSV, LAS, LAZ or a DEM, put on a lattice, without duplicates, in curve
+/// order.
 struct SmallPoints {
   Lattice lattice;
   std::string crs_wkt;                                              ///< empty = unknown
-  std::uint64_t num_rows = 0;                                       ///< points in the input
+  std::uint64_t num_rows = 0;                                       ///< points in the input; cells of a raster
   std::vector<LatticePoint> position;                               ///< [n] distinct
   std::vector<std::int32_t> height;                                 ///< [n]
   std::vector<std::uint32_t> row;                                   ///< [n] 0-based input row
@@ -23,8 +24,9 @@ struct SmallPoints {
   std::vector<std::string> notes;                                   ///< what was done to the coordinates, for people
 };
 
-/// LAS and LAZ are told from CSV by content; Withheld points are left out. A CSV's lattice is as fine as its decimals
-/// ask, or as 32 bits allow (then a note says so). Fails: Error(input).
+/// LAS, LAZ and rasters are told from CSV by content; Withheld points and cells without height are left out. The rows
+/// of a raster are its cells, row by row; they lie on a lattice of 0.001 (see dem_points.h). A CSV's lattice is as fine
+/// as its decimals ask, or as 32 bits allow (then a note says so). Fails: Error(input).
 /// @param reference  a second file of the same kind, for the same lattice; empty = none
 [[nodiscard]] SmallPoints load_small_points(const std::string& path, const std::string& reference = {});
 

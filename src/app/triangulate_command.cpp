@@ -20,6 +20,7 @@
 #include "objective_names.h"
 #include "order_tables.h"
 #include "small_points.h"
+#include "small_thinning.h"
 
 namespace hydrotin::app {
 namespace {
@@ -28,7 +29,7 @@ using Json = nlohmann::ordered_json;
 
 struct TriangulateArguments {
   std::string points, objective = "local-minima", method = "optimal", reference, edges, out;
-  std::optional<double> max_error;
+  std::optional<double> max_error, thin, thin_cell;
   int order = 2;
   std::uint32_t boundary = 0;
   PolygonBudget budget;
@@ -63,11 +64,13 @@ void check_arguments(const TriangulateArguments& a) {
   if (a.order < 0) refuse(fmt::format("--order: {} is not possible (allowed: 0 and more)", a.order));
   const Objectives objectives = objectives_or_complain("--objective", a.objective);
   const bool needs = std::any_of(objectives.begin(), objectives.end(), needs_reference);
-  if ((needs || a.max_error) && a.reference.empty())
+  if (a.thin && a.polygon) refuse("--thin: the points of a polygon are all needed (leave out --polygon)");
+  if (a.thin_cell && !a.thin) refuse("--thin-cell: nothing is thinned (add --thin)");
+  if ((needs || a.max_error) && a.reference.empty() && !a.thin)
     refuse("--reference: vertical errors are measured against reference points (give a file of points)");
   if (!a.polygon && !a.edges.empty()) refuse("--edges: edges inside belong to a polygon (add --polygon)");
   if (!a.polygon && a.boundary > 0) refuse("--boundary: only a polygon has a boundary (add --polygon)");
-  if (a.method == "hull" && (a.polygon || objectives != Objectives{Objective::local_minima} || a.max_error))
+  if (a.method == "hull" && (a.polygon || objectives != Objectives{Objective::local_minima} || a.max_error || a.thin))
     refuse("--method: the hull heuristic reduces local minima of point sets only (--objective local-minima)");
 }
 
@@ -155,7 +158,7 @@ std::uint32_t minima_of(const SmallPoints& points, const PointSetTriangulation& 
 }
 
 Json to_json(const TriangulateArguments& a, const SmallPoints& points, const PointSetTriangulation& result,
-             const Objectives& objectives) {
+             const Objectives& objectives, const std::optional<SmallThinning>& thinning) {
   std::vector<std::array<std::uint32_t, 3>> triangles = result.triangles;
   for (auto& triangle : triangles) std::sort(triangle.begin(), triangle.end());
   std::sort(triangles.begin(), triangles.end());
@@ -181,7 +184,19 @@ Json to_json(const TriangulateArguments& a, const SmallPoints& points, const Poi
                {"method", a.method},
                {"values", values},
                {"fallbacks", result.fallbacks}};
-  if (a.reference.empty()) return json;
+  if (thinning)
+    json["thinning"] = {{"limit", thinning->limit},
+                        {"cell", thinning->cell},
+                        {"kept", thinning->kept},
+                        {"removed", thinning->removed},
+                        {"kept_percent", 100 * static_cast<double>(thinning->kept) /
+                                             static_cast<double>(thinning->kept + thinning->removed)},
+                        {"pruned", thinning->pruned},
+                        {"settled", thinning->settled},
+                        {"delaunay_max_error", thinning->max_error},
+                        {"delaunay_rms_error", thinning->rms_error},
+                        {"max_error", points.lattice.scale_z * result.error.largest}};
+  if (a.reference.empty() && !thinning) return json;
   json["reference"] = {
       {"points", points.reference_position.size()},  {"outside", result.reference_outside},
       {"at_vertices", result.reference_at_vertices}, {"max_error", points.lattice.scale_z * result.error.largest},
@@ -206,15 +221,19 @@ void print_table(const Json& json) {
 
 int triangulate_points(const TriangulateArguments& a) {
   check_arguments(a);
-  const SmallPoints points = load_and_note(a.points, a.reference);
-  const PointSetOptions options{.order = a.order, .polygon = polygon_options(a, points.lattice)};
+  SmallPoints points = load_and_note(a.points, a.reference);
+  std::optional<SmallThinning> thinning;
+  if (a.thin) thinning = thin_small_points(points, *a.thin, a.thin_cell);
+  PointSetOptions options{.order = a.order, .polygon = polygon_options(a, points.lattice)};
+  // What was removed stays within the limit in the best triangulation too, unless other points are to be looked at.
+  if (a.thin && !a.max_error && a.reference.empty()) options.polygon.max_error = error_limit(*a.thin, points.lattice);
   const PointSetTriangulation result =
       a.polygon ? solve_polygon(a, points, options) : solve_point_set(a, points, options);
   if (result.limit_missed + result.vertices_beyond_limit > 0)
     fmt::print(stderr, "{}: the limit on errors cannot be kept in {} polygons and at {} vertices\n", a.points,
                result.limit_missed, result.vertices_beyond_limit);
   if (!a.out.empty()) write_tin(a.out, points, result);
-  const Json json = to_json(a, points, result, options.polygon.objectives);
+  const Json json = to_json(a, points, result, options.polygon.objectives, thinning);
   if (a.json)
     fmt::print("{}\n", json.dump());
   else
@@ -228,7 +247,9 @@ void add_triangulate_command(CLI::App& program, Action& action) {
   auto a = std::make_shared<TriangulateArguments>();
   CLI::App* command = program.add_subcommand(
       "triangulate", "the best order-k triangulation of a small point set or polygon, in memory");
-  command->add_option("points", a->points, "CSV with header x,y,z, or LAS or LAZ")->required()->type_name("POINTS");
+  command->add_option("points", a->points, "CSV with header x,y,z, LAS, LAZ, or a raster of heights")
+      ->required()
+      ->type_name("POINTS");
   command->add_option("--order", a->order, "0 to 20; of a polygon any")->capture_default_str()->type_name("K");
   command->add_option("--objective", a->objective, "one, or several by priority with commas: " + all_objective_names())
       ->capture_default_str()
@@ -240,6 +261,12 @@ void add_triangulate_command(CLI::App& program, Action& action) {
   command->add_option("--reference", a->reference, "points against which vertical errors are measured")
       ->type_name("POINTS");
   command->add_option("--max-error", a->max_error, "limit on vertical errors")->type_name("M");
+  command
+      ->add_option("--thin", a->thin,
+                   "keep only the points that the TIN needs to pass all others within this height, which become "
+                   "reference points")
+      ->type_name("M");
+  command->add_option("--thin-cell", a->thin_cell, "side of the grid's cells (eight mean spacings)")->type_name("M");
   command
       ->add_option("--method", a->method,
                    "optimal; its parts ties and lp for components; the heuristics flip and hull of de Kok et al.")

@@ -201,7 +201,28 @@ class Inserter {
     }
   }
 
+  // In (x, y) order, so that not even the numbers of triangles depend on the order of the lines.
+  void insert_sorted(const RiverLines& lines) {
+    std::vector<std::pair<LatticePoint, LatticePoint>> segments;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      const auto line = lines.line(i);
+      for (std::size_t k = 1; k < line.size(); ++k) segments.push_back(std::minmax(line[k - 1], line[k]));
+    }
+    std::sort(segments.begin(), segments.end());
+    segments.erase(std::unique(segments.begin(), segments.end()), segments.end());
+    std::vector<std::uint32_t> way;
+    for (const auto& [from, to] : segments) {
+      const auto a = vertex_.find(key(from)), b = vertex_.find(key(to));
+      if (a == vertex_.end() || b == vertex_.end()) continue;
+      way.clear();
+      static_cast<void>(
+          mesh_.insert_segment(a->second, b->second, way));  // what fails fails again below, and is counted
+    }
+  }
+
+  // The chains of vertices; their edges are there.
   void insert_segments(const RiverLines& lines) {
+    insert_sorted(lines);
     RiverPaths& paths = result_.paths;
     for (std::size_t i = 0; i < lines.size(); ++i) {
       const auto line = lines.line(i);

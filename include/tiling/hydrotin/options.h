@@ -24,6 +24,10 @@ enum class KeepWork : std::uint8_t { never, on_failure, always };
 
 struct InputOptions {
   std::vector<std::string> points;       ///< LAS/LAZ files: absolute paths, globs or /vsi paths
+  std::vector<std::string> dem;          ///< rasters whose cells are points, named in the same ways
+  int dem_band = 1;                      ///< of each raster
+  double dem_quantum_m = 0.001;          ///< cell centres and heights of rasters are multiples of it
+  std::optional<double> dem_nodata;      ///< value that means "no height" besides what the rasters say
   std::vector<std::uint8_t> classes{2};  ///< classes used; empty: all
   std::string crs;                       ///< overrides the files' CRS; empty: theirs
   bool withheld = false;                 ///< use points flagged Withheld
@@ -50,13 +54,25 @@ struct TileOptions {
   std::uint64_t target_points = 4'000'000;  ///< points a tile is planned for (1,000 or more)
 };
 
+/// Which points the TIN can do without.
+struct ThinOptions {
+  std::optional<double> vertical_error_m;  ///< no point removed is farther above or below the TIN; none: all are kept
+  std::optional<double> cell_m;            ///< side of the grid's cells; none: some mean spacings
+  bool prune = true;                       ///< remove what later points made superfluous
+};
+
 struct TriangulationOptions {
   int order = 2;                                   ///< 0..6
   Objectives objectives{Objective::local_minima};  ///< by priority; see objection_to_run
   std::vector<std::string> reference;  ///< LAS/LAZ files as in InputOptions::points, of points that are no vertices:
                                        ///< vertical errors are measured against them
-  std::optional<double> max_error_m;   ///< limit on these errors, in the unit of z; none: no limit
+  bool removed_reference = false;      ///< the points that thinning removed are reference points too; with thinning and
+                                       ///< no other reference points they always are
+  std::optional<double> max_error_m;   ///< limit on these errors, in the unit of z; none: that of thinning where its
+                                       ///< points are reference points, else no limit
   PolygonBudget budget;
+
+  [[nodiscard]] bool has_reference() const { return removed_reference || !reference.empty(); }
 };
 
 /// Pits to keep, whatever the method does with the others.
@@ -94,6 +110,7 @@ struct PipelineOptions {
   InputOptions input;
   OutputOptions output;
   TileOptions tiles;
+  ThinOptions thin;
   TriangulationOptions triangulation;
   PitOptions pits;
   ExecutionOptions run;

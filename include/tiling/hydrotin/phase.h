@@ -13,7 +13,9 @@ enum class Phase : std::uint8_t {
   plan,         ///< 1 unit: check the inputs, cut the tiles
   ingest,       ///< a unit per input file: decode, filter, bucket by tile
   arrange,      ///< a unit per tile: merge, remove duplicates, sort along the curve
-  outline,      ///< 1 unit: boxes, counts and convex hull of everything
+  survey,       ///< 1 unit if points are thinned, else none: boxes, counts and convex hull of all points
+  thin,         ///< a unit per tile if points are thinned, else none: which points the TIN needs
+  outline,      ///< 1 unit: boxes, counts and convex hull of all vertices
   triangulate,  ///< a unit per tile
   join,         ///< 1 unit: which border pieces form one polygon, and who solves it
   seam,         ///< a unit per tile: the polygons that cross tiles
@@ -31,14 +33,15 @@ enum class Phase : std::uint8_t {
   groups,       ///< 1 unit: which groups are one across tiles, and who solves them
   settle,       ///< a unit per tile: groups that cross tiles
   finish,       ///< a unit per tile: final heights, mesh
+  verify,       ///< a unit per tile if points are thinned, else none: errors of the points removed
   raster,       ///< a unit per tile: DEM
   report        ///< 1 unit: COG, hillshade, layers, figures
 };
 
-inline constexpr std::array<std::string_view, 23> kPhaseNames = {
-    "plan",   "ingest",  "arrange", "outline", "triangulate", "join",   "seam",  "mend",
-    "nest",   "rank",    "weigh",   "choose",  "spill",       "drain",  "pools", "lakes",
-    "breach", "members", "groups",  "settle",  "finish",      "raster", "report"};
+inline constexpr std::array<std::string_view, 26> kPhaseNames = {
+    "plan",   "ingest",  "arrange", "survey", "thin",   "outline", "triangulate", "join",  "seam",
+    "mend",   "nest",    "rank",    "weigh",  "choose", "spill",   "drain",       "pools", "lakes",
+    "breach", "members", "groups",  "settle", "finish", "verify",  "raster",      "report"};
 inline constexpr std::size_t kNumPhases = kPhaseNames.size();
 
 [[nodiscard]] constexpr std::string_view name(Phase phase) {

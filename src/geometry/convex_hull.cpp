@@ -1,15 +1,16 @@
+#include "hydrotin/convex_hull.h"
+
 #include <algorithm>
 #include <array>
 #include <numeric>
 
 #include "hydrotin/predicates.h"
-#include "outline.h"
 
 namespace hydrotin {
 namespace {
 
 // The extreme points in eight directions; what lies strictly inside their polygon is no hull vertex.
-std::vector<LatticePoint> extremes(const std::vector<LatticePoint>& position) {
+std::vector<LatticePoint> extremes(std::span<const LatticePoint> position) {
   constexpr std::array<std::array<std::int64_t, 2>, 8> kDirections{
       {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
   std::array<LatticePoint, 8> best;
@@ -27,7 +28,7 @@ std::vector<LatticePoint> extremes(const std::vector<LatticePoint>& position) {
 
 }  // namespace
 
-std::vector<std::uint32_t> convex_hull(const std::vector<LatticePoint>& position) {
+std::vector<std::uint32_t> convex_hull(std::span<const LatticePoint> position) {
   std::vector<std::uint32_t> order;
   if (position.empty()) return order;
   const auto frame = extremes(position);

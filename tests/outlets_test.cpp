@@ -80,7 +80,7 @@ TEST(Outlets, HullIsWhatTheOutsideTouches) {
       for (int j = 0; j < rows; ++j)
         for (int i = 0; i < width; ++i) {
           const double dx = x_of(i) - grid.position[v].x, dy = y_of(j) - grid.position[v].y;
-          if (dx * dx + dy * dy > 3) continue;
+          if (dx * dx + dy * dy > 16) continue;  // nearer than any side opposite v
           sees_outside |= at(i, j) == 2;
           sees_free |= at(i, j) != 1;
         }

@@ -469,7 +469,7 @@ TEST(PitRemoval, BoundsAreKept) {
 TEST(PitRemoval, FlatTerrainPlateausAndSeveralMinima) {
   for (const RemovalMethod method : kMethods) {
     SCOPED_TRACE(static_cast<int>(method));
-    GridTerrain grid = make_grid(1, 9, 9, 10, 0);
+    GridTerrain grid = make_grid(2, 9, 9, 10, 0);
     std::vector<std::uint8_t> corner(81, 0);
     corner[grid.at[0]] = 1;
     const Sample flat = sample_of(grid, corner);

@@ -11,13 +11,11 @@
 #include "hydrotin/hilbert.h"
 #include "hydrotin/las.h"
 #include "hydrotin/lifting.h"
-#include "hydrotin/pit_removal.h"
 #include "hydrotin/pits.h"
 #include "hydrotin/point_set.h"
 #include "hydrotin/vertex_graph.h"
 
-/// The pipeline without tiles: all points in memory, one triangulation, all pits removed with the least change. What
-/// every tiling has to equal.
+/// The pipeline without tiles: all points in memory, one triangulation, one flood. What every tiling has to equal.
 
 namespace hydrotin::testing {
 
@@ -76,9 +74,7 @@ inline Monolith run_monolith(const std::vector<LatticePoint>& position, const st
   else
     outlet[lowest_vertex(z, p)] = 1;
   out.pits_before = count_pits(graph, z, outlet);
-  RemovalOptions removal;
-  removal.limits.max_visits = kScalableVisits;
-  const auto level = remove_pits({&graph, z, p, outlet, {}, {}, {}}, removal).height;
+  const auto level = lift(graph, z, outlet);
   Fingerprint fingerprint;
   for (const auto& t : triangulation.triangles)
     fingerprint.add({{{p[t[0]].x, p[t[0]].y, level[t[0]]},

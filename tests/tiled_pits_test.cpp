@@ -12,6 +12,7 @@
 #include "expected_error.h"
 #include "hydrotin/error.h"
 #include "hydrotin/pit_choice.h"
+#include "hydrotin/pit_removal.h"
 #include "hydrotin/vector.h"
 #include "monolith.h"
 #include "pipeline_outputs.h"
@@ -102,6 +103,7 @@ std::vector<std::int32_t> removed(const Whole& w, const PitOptions& pits, std::s
 
 PipelineOptions options_of(const Terrain& terrain, const std::string& out, std::uint64_t target) {
   PipelineOptions options = testing::options_for(terrain.files, out);
+  options.pits.method = PitMethod::least_change;
   options.tiles.target_points = target;
   options.triangulation.order = 1;
   return options;

@@ -1,6 +1,6 @@
 add_executable(dying_run dying_run.cpp)
 target_link_libraries(dying_run PRIVATE hydrotin::tiling hydrotin::options GTest::gtest)
-hydrotin_test(tiled_equals_monolithic_test SOURCES tiled_equals_monolithic_test.cpp DEPENDS tiling LABELS slow TIMEOUT 2400)
+hydrotin_test(tiled_equals_monolithic_test SOURCES tiled_equals_monolithic_test.cpp DEPENDS tiling LABELS slow TIMEOUT 1200)
 target_include_directories(tiled_equals_monolithic_test PRIVATE ${PROJECT_SOURCE_DIR}/tiling)
 target_compile_definitions(tiled_equals_monolithic_test PRIVATE HYDROTIN_DYING_RUN="$<TARGET_FILE:dying_run>")
 add_dependencies(tiled_equals_monolithic_test dying_run)

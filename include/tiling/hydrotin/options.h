@@ -88,7 +88,7 @@ struct KeepPits {
 };
 
 struct PitOptions {
-  PitMethod method = PitMethod::least_change;
+  PitMethod method = PitMethod::lift;
   ChangeMeasure measure = ChangeMeasure::total;
   std::optional<double> max_breach_length_m;  ///< of one breach, horizontally; none: no limit
   std::optional<double> max_breach_depth_m;   ///< by which a vertex may be lowered; none: no limit

@@ -233,11 +233,13 @@ TEST(TriangulateCommand, Thin_KeepsAllRowsWithinTheLimit) {
     for (const auto& p : row) {
       double error = 1e9;
       for (const auto& t : got.at("triangles")) {
-        const auto &a = row[t[0].get<std::size_t>()], &b = row[t[1].get<std::size_t>()], &c = row[t[2].get<std::size_t>()];
+        const auto &a = row[t[0].get<std::size_t>()], &b = row[t[1].get<std::size_t>()],
+                   &c = row[t[2].get<std::size_t>()];
         const auto area = [](const auto& u, const auto& v, const auto& w) {
           return (v[0] - u[0]) * (w[1] - u[1]) - (v[1] - u[1]) * (w[0] - u[0]);
         };
-        const double all = area(a, b, c), at_a = area(p, b, c) / all, at_b = area(a, p, c) / all, at_c = area(a, b, p) / all;
+        const double all = area(a, b, c), at_a = area(p, b, c) / all, at_b = area(a, p, c) / all,
+                     at_c = area(a, b, p) / all;
         if (std::min({at_a, at_b, at_c}) < 0) continue;
         error = std::min(error, std::abs(at_a * a[2] + at_b * b[2] + at_c * c[2] - p[2]));
       }

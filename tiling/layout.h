@@ -9,8 +9,9 @@
 /// Where files lie.
 ///
 ///     <output.dir>/terrain/tile_000000.h5, index.h5     the finished data set
-///     <output.dir>/mesh/tile_000000.ply  dem/tile_000000.tif  dem.tif  change/tile_000000.tif  change.tif  hillshade.png  layers.gpkg  pits.csv
-///     report.json report.txt <scratch>/<phase>/000000.h5                        outputs of the phases before `finish`
+///     <output.dir>/mesh/tile_000000.ply  dem/tile_000000.tif  dem.tif  change/tile_000000.tif  change.tif
+///     hillshade.png  layers.gpkg  pits.csv report.json report.txt <scratch>/<phase>/000000.h5 outputs of the phases
+///     before `finish`
 
 namespace hydrotin {
 

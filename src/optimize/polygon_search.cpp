@@ -112,11 +112,13 @@ bool PolygonSearch::with_program(const PolygonCosts& costs, Run run) {
   return costs.num_slots <= 4 ? with(p.minima4) : with(p.minima8);
 }
 
-bool PolygonSearch::run_program(const PolygonCosts& costs, PolygonAnswer& answer) {
+// `solve` runs the program that it is given and says whether its answer is worth to be read.
+template <class Solve>
+bool PolygonSearch::answer_of_program(const PolygonCosts& costs, PolygonAnswer& answer, Solve solve) {
   ++programs_;
+  answer.triangle.clear();
   const bool solved = with_program(costs, [&](auto& program, const auto& rule) {
-    if (!program.run(rule, *graph_, blocked_, closed_)) return false;
-    answer.triangle.clear();
+    if (!solve(program, rule)) return false;
     program.read_back(rule, answer.triangle);
     return true;
   });
@@ -125,22 +127,20 @@ bool PolygonSearch::run_program(const PolygonCosts& costs, PolygonAnswer& answer
   return true;
 }
 
+bool PolygonSearch::run_program(const PolygonCosts& costs, PolygonAnswer& answer) {
+  return answer_of_program(
+      costs, answer, [&](auto& program, const auto& rule) { return program.run(rule, *graph_, blocked_, closed_); });
+}
+
 // What only other components' ties have an influence on is kept from the run before. The answer is not read if it
 // cannot beat a value.
 bool PolygonSearch::run_program_again(const PolygonCosts& costs, std::uint32_t num_changed, const SlotValues* to_beat,
                                       PolygonAnswer& answer) {
-  ++programs_;
-  const bool better = with_program(costs, [&](auto& program, const auto& rule) {
+  return answer_of_program(costs, answer, [&](auto& program, const auto& rule) {
     for (std::uint32_t i = 0; i < num_changed; ++i) program.forget(influence_.of(component_order_[i]));
-    if (!program.run_again(rule, *graph_, blocked_, closed_)) return false;
-    if (to_beat != nullptr && !(rule.best_value(program.root_cell()) < *to_beat)) return false;
-    answer.triangle.clear();
-    program.read_back(rule, answer.triangle);
-    return true;
+    return program.run_again(rule, *graph_, blocked_, closed_) &&
+           (to_beat == nullptr || rule.best_value(program.root_cell()) < *to_beat);
   });
-  if (!better || answer.triangle.size() != size_) return false;
-  answer.value = value_of(*graph_, costs, answer.triangle);
-  return true;
 }
 
 bool PolygonSearch::run_ties(const PolygonCosts& costs, const std::vector<std::uint8_t>& blocked, PolygonAnswer& best) {

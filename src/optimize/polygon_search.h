@@ -60,6 +60,8 @@ class PolygonSearch {
   bool run_program(const PolygonCosts& costs, PolygonAnswer& answer);
   bool run_program_again(const PolygonCosts& costs, std::uint32_t num_changed, const SlotValues* to_beat,
                          PolygonAnswer& answer);
+  template <class Solve>
+  bool answer_of_program(const PolygonCosts& costs, PolygonAnswer& answer, Solve solve);
   template <class Run>
   bool with_program(const PolygonCosts& costs, Run run);
   bool run_linear(const PolygonCosts& costs, const std::vector<std::uint8_t>& blocked, PolygonAnswer& best);

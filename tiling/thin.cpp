@@ -101,14 +101,7 @@ ThinningOptions thinning_options(const RunContext& context) {
     throw Error(ErrorKind::config, "thin.cell_m: the cells are too large for the lattice; give a smaller one");
   ThinningOptions out;
   out.limit_millionths = limit_in_millionths(context);
-  out.cell = static_cast<std::int32_t>(std::max(1.0, std::round(side)));
-  // Cells lie at multiples of their side from (0, 0) of the CRS, as near as the lattice comes to it, whatever its base.
-  const auto units = [&](double offset) {
-    const double n = std::round(offset / l.scale_xy);
-    return std::fabs(n) < 0x1p52 ? static_cast<std::int64_t>(n) : 0;
-  };
-  out.grid_x = -l.base_x - units(l.offset_x);
-  out.grid_y = -l.base_y - units(l.offset_y);
+  out.set_grid(l, side);
   out.prune = thin.prune;
   return out;
 }

@@ -38,13 +38,7 @@ ThinningOptions options_for(const SmallPoints& points, double limit, std::option
                                                side * l.scale_xy));
   ThinningOptions out;
   out.limit_millionths = static_cast<std::int64_t>(millionths);
-  out.cell = static_cast<std::int32_t>(std::max(1.0, std::round(side)));
-  const auto units = [&](double offset) {
-    const double n = std::round(offset / l.scale_xy);
-    return std::fabs(n) < 0x1p52 ? static_cast<std::int64_t>(n) : 0;
-  };
-  out.grid_x = -l.base_x - units(l.offset_x);
-  out.grid_y = -l.base_y - units(l.offset_y);
+  out.set_grid(l, side);
   return out;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -134,6 +135,16 @@ Thinning run(const CurveOrder& points, std::vector<PointFate> fate, const Thinni
 }
 
 }  // namespace
+
+void ThinningOptions::set_grid(const Lattice& lattice, double side) {
+  cell = static_cast<std::int32_t>(std::max(1.0, std::round(side)));
+  const auto units = [&](double offset) {
+    const double n = std::round(offset / lattice.scale_xy);
+    return std::fabs(n) < 0x1p52 ? static_cast<std::int64_t>(n) : 0;
+  };
+  grid_x = -lattice.base_x - units(lattice.offset_x);
+  grid_y = -lattice.base_y - units(lattice.offset_y);
+}
 
 Thinning thin_together(std::span<const LatticePoint> position, std::span<const std::int32_t> height,
                        std::span<const std::uint32_t> hull, const ThinningOptions& options) {

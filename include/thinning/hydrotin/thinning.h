@@ -50,6 +50,10 @@ struct ThinningOptions {
   std::int32_t cell = 1;                ///< side of a grid cell, 1 to 2^28
   std::int64_t grid_x = 0, grid_y = 0;  ///< the corner of cell (0, 0)
   bool prune = true;
+
+  /// Cells of this side (0 < side < 2^28 lattice units, to the nearest whole one) at multiples of it from (0, 0) of the
+  /// CRS, as near as the lattice comes to it, whatever its base.
+  void set_grid(const Lattice& lattice, double side);
 };
 
 /// What is known: all points inside `box`, and that there are none beyond its closed sides.

@@ -35,7 +35,7 @@ std::vector<std::uint8_t> hull_outlets(const VertexGraph& graph, std::span<const
   std::vector<bool> is_seen(next.size());
   for (std::uint32_t seed = 0; seed < next.size(); ++seed) {
     if (is_seen[seed]) continue;
-    Int128 doubled_area = 0;
+    Wide doubled_area = 0;
     const LatticePoint origin = position[graph.boundary[seed].origin];
     for (std::uint32_t i = seed; !is_seen[i]; i = next[i]) {
       is_seen[i] = true;

@@ -100,8 +100,8 @@ inline unsigned positive(Pair d) {
 inline unsigned left_and_least(const FractionPair& f, double least) {
 #ifdef __SSE2__
   const __m128d bound = _mm_mul_pd(f.cross, _mm_set1_pd(least));
-  return static_cast<unsigned>(_mm_movemask_pd(
-      _mm_and_pd(_mm_cmplt_pd(f.cross, _mm_setzero_pd()), _mm_cmple_pd(f.numerator, bound))));
+  return static_cast<unsigned>(
+      _mm_movemask_pd(_mm_and_pd(_mm_cmplt_pd(f.cross, _mm_setzero_pd()), _mm_cmple_pd(f.numerator, bound))));
 #else
   return (f.cross[0] < 0 && f.numerator[0] <= f.cross[0] * least ? 1U : 0U) |
          (f.cross[1] < 0 && f.numerator[1] <= f.cross[1] * least ? 2U : 0U);

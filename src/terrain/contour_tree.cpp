@@ -65,49 +65,47 @@ void find_basins(const VertexGraph& graph, const Ids& rank, Basins* up, Basins* 
   }
 }
 
-/// One sweep: `sequence` visits the vertices, `before` tells which of two it visits first.
-template <class Sequence, class Before>
-Ids merge_tree(const VertexGraph& graph, Basins basins, Sequence sequence, Before before) {
+/// One sweep over the vertices, upwards or downwards. The result is by ranks, as are the ends of sets: what a sweep has
+/// just met has a rank near by, so it lies near in memory.
+/// @return  [n] for each rank that of the next vertex in the merge tree.
+template <bool kUp>
+Ids merge_tree(const VertexGraph& graph, Basins basins, std::span<const std::uint32_t> ascending, const Ids& rank) {
   const std::uint32_t n = graph.num_vertices();
+  const auto rank_at = [n](std::uint32_t i) { return kUp ? i : n - 1 - i; };
   Ids& parent = basins.parent;
-  Ids next(n, kNoVertex), last(n);                                            // last: of a set, at its root
-  constexpr std::uint32_t kFetchVertex = 32, kFetchRoot = 16, kFetchEnd = 8;  // visits ahead
+  Ids next(n, kNoVertex), last(n);                             // last: rank of the last vertex of a set, at its root
+  constexpr std::uint32_t kFetchVertex = 32, kFetchRoot = 16;  // visits ahead
   for (std::uint32_t i = 0; i < n; ++i) {
     if (i + kFetchVertex < n) {  // neighbours in height are far from each other in memory, but known ahead
-      __builtin_prefetch(&parent[sequence(i + kFetchVertex)]);
-      __builtin_prefetch(&last[parent[sequence(i + kFetchRoot)]]);
-      __builtin_prefetch(&next[last[parent[sequence(i + kFetchEnd)]]]);
+      __builtin_prefetch(&parent[ascending[rank_at(i + kFetchVertex)]]);
+      __builtin_prefetch(&last[parent[ascending[rank_at(i + kFetchRoot)]]]);
     }
-    const std::uint32_t v = sequence(i);
+    const std::uint32_t own = rank_at(i), v = ascending[own];
     const std::uint32_t root = find(parent, v);
-    if (root != v) next[last[root]] = v;
+    if (root != v) next[last[root]] = own;
     if (basins.may_join[v]) {
       for (const std::uint32_t w : graph.neighbors(v)) {
-        if (!before(w, v)) continue;
+        if (kUp ? rank[w] > own : rank[w] < own) continue;
         const std::uint32_t other = find(parent, w);
         if (other == root) continue;
-        next[last[other]] = v;
+        next[last[other]] = own;
         parent[other] = root;
       }
     }
-    last[root] = v;
+    last[root] = own;
   }
   return next;
 }
 
-Ids join_tree(const VertexGraph& graph, std::span<const std::uint32_t> ascending, const Ids& rank, Basins basins) {
-  return merge_tree(
-      graph, std::move(basins), [&](std::uint32_t i) { return ascending[i]; },
-      [&](std::uint32_t v, std::uint32_t w) { return rank[v] < rank[w]; });
+/// From ranks to vertices.
+Ids by_vertex(const Ids& next, std::span<const std::uint32_t> ascending) {
+  Ids out(next.size(), kNoVertex);
+  for (std::uint32_t i = 0; i < next.size(); ++i)
+    if (next[i] != kNoVertex) out[ascending[i]] = ascending[next[i]];
+  return out;
 }
 
-Ids split_tree(const VertexGraph& graph, std::span<const std::uint32_t> ascending, const Ids& rank, Basins basins) {
-  return merge_tree(
-      graph, std::move(basins), [&](std::uint32_t i) { return ascending[ascending.size() - 1 - i]; },
-      [&](std::uint32_t v, std::uint32_t w) { return rank[v] > rank[w]; });
-}
-
-/// A vertex in both trees while they are merged.
+/// A vertex in both trees while they are merged; by rank.
 struct Node {
   std::uint32_t up = kNoVertex, down = kNoVertex;  // next in the join tree and in the split tree, maybe merged already
   std::uint32_t num_below = 0, num_above = 0;      // nodes whose up, down is this one; kMerged
@@ -152,7 +150,7 @@ Ids join_tree(const VertexGraph& graph, std::span<const std::uint32_t> ascending
   const Ids rank = ranks_of(ascending);
   Basins up;
   find_basins<true, false>(graph, rank, &up, nullptr);
-  return join_tree(graph, ascending, rank, std::move(up));
+  return by_vertex(merge_tree<true>(graph, std::move(up), ascending, rank), ascending);
 }
 
 Ids split_tree(const VertexGraph& graph, std::span<const std::uint32_t> ascending) {
@@ -160,7 +158,7 @@ Ids split_tree(const VertexGraph& graph, std::span<const std::uint32_t> ascendin
   const Ids rank = ranks_of(ascending);
   Basins down;
   find_basins<false, true>(graph, rank, nullptr, &down);
-  return split_tree(graph, ascending, rank, std::move(down));
+  return by_vertex(merge_tree<false>(graph, std::move(down), ascending, rank), ascending);
 }
 
 std::optional<ContourTree> contour_tree(const VertexGraph& graph, std::span<const std::int32_t> height,
@@ -175,14 +173,14 @@ std::optional<ContourTree> contour_tree(const VertexGraph& graph, std::span<cons
     Basins joining, splitting;
     find_basins<true, true>(graph, rank, &joining, &splitting);
     {
-      const Ids up = join_tree(graph, tree.ascending, rank, std::move(joining));
+      const Ids up = merge_tree<true>(graph, std::move(joining), tree.ascending, rank);
       node.resize(n);
       for (std::uint32_t v = 0; v < n; ++v) {
         node[v].up = up[v];
         if (up[v] != kNoVertex) ++node[up[v]].num_below;
       }
     }
-    const Ids down = split_tree(graph, tree.ascending, rank, std::move(splitting));
+    const Ids down = merge_tree<false>(graph, std::move(splitting), tree.ascending, rank);
     for (std::uint32_t v = 0; v < n; ++v) {
       node[v].down = down[v];
       if (down[v] != kNoVertex) ++node[down[v]].num_above;
@@ -194,7 +192,7 @@ std::optional<ContourTree> contour_tree(const VertexGraph& graph, std::span<cons
     for (std::uint32_t v = seed; v != kNoVertex;) {
       const std::uint32_t w = merge_leaf(node, v);
       if (w != kNoVertex) {
-        tree.other[v] = w;
+        tree.other[tree.ascending[v]] = tree.ascending[w];
         --num_left;
       }
       v = w;

@@ -374,6 +374,31 @@ TEST(PitRemoval, LimitsOfBreaching) {
   }
 }
 
+// A lake that lies below all that its search can reach, with a lower outlet beyond a ridge: its rim is opened down to
+// the outlets behind it.
+TEST(PitRemoval, LimitedSearchesOpenTheRimOfDeepLakes) {
+  GridTerrain grid = make_grid(1, 40, 20, 100, 0);
+  grid.height.assign(grid.num_vertices(), 0);
+  for (std::uint32_t y = 0; y < 20; ++y)
+    for (std::uint32_t x = 0; x < 40; ++x) {
+      const bool on_hull = x == 0 || y == 0 || y == 19, on_rim = x == 1 || x == 19 || y == 1 || y == 18;
+      std::int32_t& z = grid.height[y * 40 + x];
+      z = x > 20 ? 100 : x == 20 ? 1200 : on_hull ? 800 : on_rim ? 900 : static_cast<std::int32_t>((7 * x + 3 * y) % 5);
+    }
+  const Sample s = sample_of(grid, testing::hull_flags(grid));
+  for (const ChangeMeasure measure : {ChangeMeasure::total, ChangeMeasure::volume}) {
+    RemovalOptions options;
+    options.measure = measure;
+    options.limits.max_visits = 20;
+    options.method = RemovalMethod::lift;
+    const std::int64_t lifted = remove_pits(s.view(measure), options).cost;
+    options.method = RemovalMethod::least_change;
+    const Removal opened = remove_pits(s.view(measure), options);
+    EXPECT_LT(static_cast<double>(opened.cost), 0.9 * static_cast<double>(lifted));
+    EXPECT_TRUE(oracle::has_no_pit(s.around, opened.height, s.is_outlet));
+  }
+}
+
 // Deep lakes with searches that end early: still no pit, still the same in every numbering, still never above lifting.
 TEST(PitRemoval, LimitedSearchesKeepThePromises) {
   std::uint64_t num_unfinished = 0;

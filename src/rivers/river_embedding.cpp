@@ -60,11 +60,13 @@ class Solver {
 
   Embedding run() {
     result_.clamped_networks = catalog_.clamped_networks();
+    if (lacks_triangles()) return std::move(result_);
     for (const Row& row : catalog_.listed()) consider(row);
     if (options_.constraints.contiguity == Contiguity::exact)
       for (const auto& edge : rivers_) catalog_.visit(edge.from, d_, [&](const Row& row) { consider(row); });
     for (std::uint32_t sweep = 0; sweep < kMaxSweeps; ++sweep) {
       solve_until_satisfied();
+      if (!result_.incomplete.empty()) return std::move(result_);
       if (is_stopped_) blend_with_burned();
       write_heights();
       if (is_stopped_ || !sweep_all()) break;
@@ -152,7 +154,27 @@ class Solver {
       // What moves pushes its neighbours along the river next: their rows now save rounds of the simplex.
       const auto take = [&](const Row& row) { consider(row, row.kind == RowKind::flow || row.kind == RowKind::chain); };
       for (const std::uint32_t v : changed) catalog_.visit(v, d_, take);
+      if (lacks_triangles(changed)) return;
     }
+  }
+
+  // Whether some of the vertices lack triangles, and so rows: they are listed.
+  bool lacks_triangles(std::vector<std::uint32_t> vertices) {
+    std::vector<std::uint32_t>& incomplete = result_.incomplete;
+    if (options_.is_complete.empty()) return false;
+    std::erase_if(vertices, [&](std::uint32_t v) { return options_.is_complete[v] != 0; });
+    incomplete.insert(incomplete.end(), vertices.begin(), vertices.end());
+    std::sort(incomplete.begin(), incomplete.end());
+    incomplete.erase(std::unique(incomplete.begin(), incomplete.end()), incomplete.end());
+    return !incomplete.empty();
+  }
+
+  // The same of all vertices whose rows are made at the beginning.
+  bool lacks_triangles() {
+    std::vector<std::uint32_t> ends;
+    for (const auto& [from, to] : edges_) ends.insert(ends.end(), {from, to});
+    for (const PreservedEdge& edge : options_.constraints.preserve) ends.insert(ends.end(), {edge.a, edge.b});
+    return lacks_triangles(std::move(ends));
   }
 
   // Most of a component is in order since the last time: only what is new is sorted, then merged in.
@@ -407,6 +429,9 @@ class Solver {
     std::sort(moved.begin(), moved.end(),
               [&](std::uint32_t a, std::uint32_t b) { return terrain_.position[a] < terrain_.position[b]; });
     for (const std::uint32_t v : moved) result_.objective += std::abs(values[v]);
+    lacks_triangles(moved);
+    for (std::uint32_t v = 0; v < touched_.size(); ++v)
+      if (touched_[v] != 0) result_.touched.push_back(v);
     std::vector<double> bounds;
     for (const auto& [root, component] : component_) bounds.push_back(component.bound);
     std::sort(bounds.begin(), bounds.end());

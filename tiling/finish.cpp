@@ -78,7 +78,7 @@ void write_vertices(store::Writer& out, const Part& part, std::span<const std::i
              "stands in another tile's foreign list");
   std::vector<std::int32_t> xyz;
   for (std::uint32_t v = part.num_own; v < part.num_vertices(); ++v)
-    xyz.insert(xyz.end(), {part.position[v].x, part.position[v].y, part.height[v]});
+    xyz.insert(xyz.end(), {part.position[v].x, part.position[v].y, part.measured[v]});
   out.append("foreign_point", std::span<const std::uint64_t>(part.point).subspan(part.num_own),
              "points of other tiles in this tile's triangles: tile << 32 | index, ascending");
   out.append("foreign_xyz", xyz, "lattice; z as measured");

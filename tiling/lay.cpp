@@ -1,4 +1,5 @@
 #include "part.h"
+#include "part_value.h"
 #include "phases.h"
 #include "river_window.h"
 #include "terrain_file.h"
@@ -25,6 +26,25 @@ void lay_tile(const RunContext& context, std::uint32_t tile) {
   out.append("triangle_box", flatten(box), "boxes of runs of 1024 triangles");
   out.append("hull_edge", hull, "vertices: origins and targets of edges on the convex hull");
   out.append("bounds", flatten(std::vector<LatticeBox>{part.bounds()}), "of all triangles");
+  // Figures of the triangulation itself, before rivers change it.
+  const std::vector<std::uint8_t> has_lower = has_lower_neighbor(part);
+  std::int64_t inner_minima = 0;
+  std::vector<std::uint64_t> foreign_minima, rim;
+  std::vector<std::uint8_t> rim_has_lower;
+  for (std::uint32_t v = 0; v < part.num_vertices(); ++v) {
+    if (part.is_rim[v] || has_lower[v]) continue;
+    ++inner_minima;
+    if (v >= part.num_own) foreign_minima.push_back(part.point[v]);
+  }
+  for (const std::uint32_t v : part.rim()) {
+    rim.push_back(part.point[v]);
+    rim_has_lower.push_back(has_lower[v]);
+  }
+  out.set("inner_minima", inner_minima);
+  out.append("foreign_minima", foreign_minima, "inner minima that are points of other tiles");
+  out.append("rim", rim, "vertices that other parts have too, ascending");
+  out.append("rim_has_lower", rim_has_lower, "1: a neighbour in this part is lower by (z, x, y)");
+  write_values(out, values_of(part, context.options.triangulation.objectives));
   out.commit();
 }
 

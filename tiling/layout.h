@@ -24,6 +24,7 @@ class Layout {
   [[nodiscard]] std::string unit(Phase phase, std::uint64_t unit) const;
   [[nodiscard]] std::string terrain(std::uint64_t tile) const;
   [[nodiscard]] std::string index() const { return out_ + "/terrain/index.h5"; }
+  [[nodiscard]] std::string rivers() const { return out_ + "/terrain/rivers.h5"; }
   [[nodiscard]] std::string mesh(std::uint64_t tile) const;
   [[nodiscard]] std::string dem_tile(std::uint64_t tile) const;
   [[nodiscard]] std::string change_tile(std::uint64_t tile) const;

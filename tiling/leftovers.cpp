@@ -49,6 +49,7 @@ void remove_leftovers(const RunContext& context) {
   const OutputOptions& wanted = context.options.output;
   const std::uint64_t tiles = context.plan.num_tiles();
   remove_tiles_from(fs::path(layout.terrain(0)).parent_path(), tiles);
+  if (!context.has_rivers()) remove_leftover(layout.rivers());
   remove_tiles_from(fs::path(layout.mesh(0)).parent_path(), wanted.mesh_ply ? tiles : 0);
   const fs::path dem_folder = fs::path(layout.dem_tile(0)).parent_path();
   remove_tiles_from(dem_folder, wanted.dem.enabled ? tiles : 0);

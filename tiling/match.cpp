@@ -171,8 +171,8 @@ class WindowMatch {
           if (terrain().twin[h] == kNoHalfedge && v >= old) is_outlet[v] = 1;
     const std::vector<std::uint8_t> by_policy = is_outlet;
     add_closed_lakes(rivers(), lake_numbers(num_vertices(), lakes_), is_outlet);
-    mouths_ = find_outlet_chains(plane_terrain(), rivers(), is_outlet, lake_numbers(num_vertices(), lakes_),
-                                 is_complete);
+    mouths_ =
+        find_outlet_chains(plane_terrain(), rivers(), is_outlet, lake_numbers(num_vertices(), lakes_), is_complete);
     for (const std::uint32_t v : mouths_.incomplete) need_vertex(v);
     if (!need(mouths_.edge) || !mouths_.incomplete.empty()) return;
     for (const RiverMouth& mouth : mouths_.mouth)
@@ -193,7 +193,8 @@ class WindowMatch {
 
   // Which triangles come and go. All their corners must be known completely: then they do not depend on the window.
   void compare() {
-    const std::vector<Corners> before = sorted_triangles(window_.triangle), after = sorted_triangles(terrain().triangle);
+    const std::vector<Corners> before = sorted_triangles(window_.triangle),
+                               after = sorted_triangles(terrain().triangle);
     std::set_difference(before.begin(), before.end(), after.begin(), after.end(), std::back_inserter(gone_));
     std::set_difference(after.begin(), after.end(), before.begin(), before.end(), std::back_inserter(come_));
     for (const auto* list : {&gone_, &come_})
@@ -354,8 +355,10 @@ void add_lakes(const RunContext& context, CellSet& cells) {
       for (const auto& p : input.lakes.ring(r)) {
         const double x = at(p[0], l.offset_x, l.base_x, reach.min.x + 1, reach.max.x - 1);
         const double y = at(p[1], l.offset_y, l.base_y, reach.min.y + 1, reach.max.y - 1);
-        box.extend(LatticePoint{static_cast<std::int32_t>(std::floor(x)) - 1, static_cast<std::int32_t>(std::floor(y)) - 1});
-        box.extend(LatticePoint{static_cast<std::int32_t>(std::ceil(x)) + 1, static_cast<std::int32_t>(std::ceil(y)) + 1});
+        box.extend(
+            LatticePoint{static_cast<std::int32_t>(std::floor(x)) - 1, static_cast<std::int32_t>(std::floor(y)) - 1});
+        box.extend(
+            LatticePoint{static_cast<std::int32_t>(std::ceil(x)) + 1, static_cast<std::int32_t>(std::ceil(y)) + 1});
       }
     if (!box.is_empty()) cells.add_box(box);
   }

@@ -88,12 +88,10 @@ TriangleFile added_triangles(const RunContext& context, std::uint32_t tile) {
   for (auto at = first; at != last; ++at) used.insert(used.end(), at->vertex.begin(), at->vertex.end());
   std::sort(used.begin(), used.end());
   used.erase(std::unique(used.begin(), used.end()), used.end());
-  for (const std::uint32_t v : used)
-    file.listed.push_back({network.point[v], network.position[v], network.height[v]});
+  for (const std::uint32_t v : used) file.listed.push_back({network.point[v], network.position[v], network.height[v]});
   for (auto at = first; at != last; ++at)
     for (const std::uint32_t v : at->vertex)
-      file.triangle.push_back(
-          static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), v) - used.begin()));
+      file.triangle.push_back(static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), v) - used.begin()));
   const auto [hull_first, hull_last] = items_of(network.hull_come, tile);
   for (auto at = hull_first; at != hull_last; ++at)
     for (const std::uint32_t v : at->vertex) file.hull_edge.push_back(network.point[v]);
@@ -379,6 +377,16 @@ Part load_part(const RunContext& context, std::uint32_t tile) {
   part.measured = part.height;
   if (context.rivers) take_heights(context, part);
   return part;
+}
+
+std::vector<std::uint8_t> has_lower_neighbor(const Part& part) {
+  const auto key = [&](std::uint32_t v) { return std::tie(part.height[v], part.position[v]); };
+  std::vector<std::uint8_t> flag(part.num_vertices());
+  for (std::uint32_t v = 0; v < flag.size(); ++v) {
+    const auto neighbors = part.graph.neighbors(v);
+    flag[v] = std::any_of(neighbors.begin(), neighbors.end(), [&](std::uint32_t w) { return key(w) < key(v); });
+  }
+  return flag;
 }
 
 std::vector<std::uint8_t> outlet_flags(const RunContext& context, const Part& part) {

@@ -54,6 +54,9 @@ struct Part {
 /// Fails: Error(storage) naming the file if anything in it is out of range or contradicts another array.
 [[nodiscard]] Part load_part(const RunContext& context, std::uint32_t tile);
 
+/// [n] nonzero where a neighbour of the part is lower by (z, x, y).
+[[nodiscard]] std::vector<std::uint8_t> has_lower_neighbor(const Part& part);
+
 /// [n] nonzero where water may leave by the policy of the options. A vertex of several parts may have its flag in some
 /// of them only: the flags of all parts together count, as the reduced trees and the plateau summaries take them.
 [[nodiscard]] std::vector<std::uint8_t> outlet_flags(const RunContext& context, const Part& part);

@@ -58,9 +58,8 @@ struct RunContext {
     // Outlets count where rivers end, too.
     const bool with_places = phase >= (has_rivers() ? Phase::lay : Phase::nest);
     const bool with_rivers = has_rivers() && phase >= Phase::lay;
-    return hydrotin::recipe(plan.recipe + (with_places ? places->hash : "") +
-                                (with_rivers ? hash_of(*river_input) : ""),
-                            options, phase);
+    return hydrotin::recipe(
+        plan.recipe + (with_places ? places->hash : "") + (with_rivers ? hash_of(*river_input) : ""), options, phase);
   }
 };
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "river_store.h"
+
 namespace hydrotin {
 
 RemovalOptions removal_options(const RunContext& context) {
@@ -58,6 +60,24 @@ void ChangeableSurface::set_bounds(const RunContext& context) {
     lower_.push_back(
         static_cast<std::int32_t>(std::max<std::int64_t>(h - depth, std::numeric_limits<std::int32_t>::min())));
   upper_.assign(terrain_.height.size(), kNoLevel - 1);
+  terrain_.lower = lower_;
+  terrain_.upper = upper_;
+}
+
+// Rivers stay, and rise at most with the water where it stands above them; wingtips keep what the valleys need.
+void ChangeableSurface::keep_rivers(const RunContext& context, std::span<const std::uint64_t> point,
+                                    std::span<const std::int32_t> level) {
+  if (lower_.empty()) {
+    lower_.assign(point.size(), std::numeric_limits<std::int32_t>::min());
+    upper_.assign(point.size(), kNoLevel - 1);
+  }
+  for (std::size_t v = 0; v < point.size(); ++v) {
+    const auto found = context.rivers->bound.find(point[v]);
+    if (found == context.rivers->bound.end()) continue;
+    const std::int32_t height = terrain_.height[v];
+    lower_[v] = std::max(lower_[v], found->second.is_way ? height : std::min(found->second.lower, height));
+    if (found->second.is_way) upper_[v] = level[v] == kNoLevel ? height : level[v];
+  }
   terrain_.lower = lower_;
   terrain_.upper = upper_;
 }

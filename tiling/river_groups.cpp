@@ -42,11 +42,15 @@ struct Relief {
 struct GroupSolver::Share {
   std::vector<RiverEdge> river;
   EmbeddingOptions options;
-  std::vector<std::uint8_t> is_way;  // [n] of rivers, chains and lakes
+  std::vector<std::uint8_t> is_way;   // [n] of rivers, chains and lakes
+  std::vector<std::uint32_t> number;  // [rivers] of the network
 };
 
 GroupSolver::GroupSolver(const RunContext& context, const RiverNetwork& network)
-    : context_(context), network_(network), reader_(context, network.bounds, &network) {
+    : context_(context),
+      network_(network),
+      names_(name_rivers(context, network)),
+      reader_(context, network.bounds, &network) {
   sort_by_group(network.river_group, network.num_groups(), river_begin_, river_);
   sort_by_group(network.chain_group, network.num_groups(), chain_begin_, chain_);
   sort_by_group(network.lake_group, network.num_groups(), lake_begin_, lake_);
@@ -84,10 +88,11 @@ GroupSolver::Share GroupSolver::share_in(const RiverWindow& window, std::span<co
   out.options.constraints = context_.options.rivers.constraints;
   out.options.quantum = lattice.scale_z;
   RiverConstraints& constraints = out.options.constraints;
+  std::vector<std::pair<RiverEdge, std::uint32_t>> river;
   for (const std::uint32_t g : group) {
     for (std::uint32_t i = river_begin_[g]; i < river_begin_[g + 1]; ++i) {
       const RiverEdge& edge = network_.river[river_[i]];
-      out.river.push_back({local(edge.from), local(edge.to)});
+      river.emplace_back(RiverEdge{local(edge.from), local(edge.to)}, river_[i]);
     }
     for (std::uint32_t i = chain_begin_[g]; i < chain_begin_[g + 1]; ++i) {
       const RiverEdge& edge = network_.chain[chain_[i]];
@@ -102,7 +107,11 @@ GroupSolver::Share GroupSolver::share_in(const RiverWindow& window, std::span<co
     }
   }
   // Vertices of a window ascend by (x, y): so do the edges.
-  std::sort(out.river.begin(), out.river.end());
+  std::sort(river.begin(), river.end());
+  for (const auto& [edge, number] : river) {
+    out.river.push_back(edge);
+    out.number.push_back(number);
+  }
   std::sort(constraints.chain.begin(), constraints.chain.end());
   std::sort(constraints.lakes.begin(), constraints.lakes.end(),
             [](const Lake& a, const Lake& b) { return a.vertex < b.vertex; });
@@ -143,10 +152,13 @@ void GroupSolver::describe(const RiverWindow& window, const Share& share, const 
     if (!(std::abs(height) < 2147483647.0))
       throw Error(ErrorKind::resource, context_.layout.unit(Phase::embed, 0) +
                                            ": a river asks for a height beyond the lattice; set rivers.max_change_m");
-    if (height != lattice_relief.height[v]) out.moved.emplace_back(window.point[v], static_cast<std::int32_t>(height));
+    if (height != lattice_relief.height[v])
+      out.moved.push_back({window.point[v], window.position[v], window.height[v], static_cast<std::int32_t>(height)});
     lattice_relief.height[v] = height;
   }
-  std::sort(out.moved.begin(), out.moved.end());
+  std::sort(out.moved.begin(), out.moved.end(),
+            [](const MovedVertex& a, const MovedVertex& b) { return a.point < b.point; });
+  tabulate(window, share, embedding, out);
   if (constraints.valley) {
     const double side_slope = constraints.side_slope * lattice.scale_xy / lattice.scale_z;
     const auto floor = valley_floor(lattice_relief.terrain(), share.river, side_slope, lattice_relief.height);
@@ -177,6 +189,23 @@ void GroupSolver::describe(const RiverWindow& window, const Share& share, const 
   out.iterations = embedding.iterations;
   out.clamped = embedding.clamped_networks.size();
   out.optimal = embedding.optimal;
+}
+
+// The tables of the rivers, in the numbers of all.
+void GroupSolver::tabulate(const RiverWindow& window, const Share& share, const Embedding& embedding,
+                           GroupSolution& out) const {
+  const Lattice& lattice = context_.plan.lattice;
+  std::vector<std::uint32_t> number;
+  for (const std::uint32_t e : share.number) number.push_back(names_.river[e]);
+  std::vector<std::uint32_t> rivers = number;
+  std::sort(rivers.begin(), rivers.end());
+  rivers.erase(std::unique(rivers.begin(), rivers.end()), rivers.end());
+  for (std::uint32_t& r : number)
+    r = static_cast<std::uint32_t>(std::lower_bound(rivers.begin(), rivers.end(), r) - rivers.begin());
+  const Relief relief(window, lattice.scale_xy, lattice.scale_z);
+  const auto rows = river_table(relief.terrain(), share.river, number, static_cast<std::uint32_t>(rivers.size()),
+                                embedding.height, 0);
+  for (std::size_t r = 0; r < rivers.size(); ++r) out.table.push_back({rivers[r], rows[r]});
 }
 
 std::vector<GroupSolution> unite(const RunContext& context, const GroupSolver& solver,

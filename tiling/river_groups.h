@@ -32,8 +32,11 @@ class GroupSolver {
   void describe(const RiverWindow& window, const Share& share, const Embedding& embedding,
                 std::span<const std::uint8_t> is_touched, GroupSolution& out) const;
 
+  void tabulate(const RiverWindow& window, const Share& share, const Embedding& embedding, GroupSolution& out) const;
+
   const RunContext& context_;
   const RiverNetwork& network_;
+  RiverNames names_;
   WindowReader reader_;
   std::vector<std::uint32_t> river_begin_, river_, chain_begin_, chain_, lake_begin_, lake_;  // of each group
 };

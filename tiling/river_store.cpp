@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
+#include <numeric>
 
 #include "block_index.h"
 #include "river_input.h"
@@ -182,6 +184,70 @@ void read_heights(const store::Reader& in, const std::string& name, std::vector<
     for (const std::uint64_t point : points[s]) (solutions[s].*list).emplace_back(point, *at++);
 }
 
+void write_moved(store::Writer& out, std::span<const GroupSolution> solutions) {
+  write_lists<std::uint64_t>(
+      out, "moved_point", solutions,
+      [](const GroupSolution& s, std::vector<std::uint64_t>& flat) {
+        for (const MovedVertex& v : s.moved) flat.push_back(v.point);
+      },
+      "vertices that the rivers move: tile << 32 | index, ascending");
+  std::vector<std::int32_t> flat;
+  for (const GroupSolution& s : solutions)
+    for (const MovedVertex& v : s.moved) flat.insert(flat.end(), {v.position.x, v.position.y, v.before, v.after});
+  out.append("moved_xyzh", flat, "lattice: place, height before, height after");
+}
+
+void read_moved(const store::Reader& in, std::vector<GroupSolution>& solutions) {
+  const auto points = read_lists<std::uint64_t>(in, "moved_point", solutions.size());
+  const auto flat = read_sized<std::int32_t>(in, "moved_xyzh", 4 * in.size("moved_point"));
+  const std::int32_t* at = flat.data();
+  for (std::size_t s = 0; s < solutions.size(); ++s)
+    for (const std::uint64_t point : points[s]) {
+      solutions[s].moved.push_back({point, {at[0], at[1]}, at[2], at[3]});
+      at += 4;
+    }
+}
+
+constexpr std::size_t kNumColumns = 15;
+
+void write_table(store::Writer& out, std::span<const GroupSolution> solutions) {
+  write_lists<std::uint32_t>(
+      out, "table_river", solutions,
+      [](const GroupSolution& s, std::vector<std::uint32_t>& flat) {
+        for (const RiverShare& share : s.table) flat.push_back(share.river);
+      },
+      "rivers of the tables");
+  std::vector<double> flat;
+  for (const GroupSolution& s : solutions)
+    for (const auto& [river, r] : s.table) {
+      for (const std::uint64_t number :
+           {r.edges, r.wrong_flow_before, r.not_valley_before, r.flat_before, r.leaks_before, r.wrong_flow_after,
+            r.not_valley_after, r.flat_after, r.leaks_after, r.moved})
+        flat.push_back(static_cast<double>(number));
+      flat.insert(flat.end(), {r.length, r.drop_before, r.drop_after, r.total, r.largest});
+    }
+  out.append("table", flat,
+             "edges; before: wrong flow, not valley, flat, leaks; after: the same; moved, length, drop before, drop "
+             "after, total change, largest change");
+}
+
+void read_table(const store::Reader& in, std::vector<GroupSolution>& solutions) {
+  const auto rivers = read_lists<std::uint32_t>(in, "table_river", solutions.size());
+  const auto flat = read_sized<double>(in, "table", kNumColumns * in.size("table_river"));
+  const double* at = flat.data();
+  for (std::size_t s = 0; s < solutions.size(); ++s)
+    for (const std::uint32_t river : rivers[s]) {
+      RiverShare& share = solutions[s].table.emplace_back();
+      share.river = river;
+      RiverRow& r = share.row;
+      for (std::uint64_t* number :
+           {&r.edges, &r.wrong_flow_before, &r.not_valley_before, &r.flat_before, &r.leaks_before, &r.wrong_flow_after,
+            &r.not_valley_after, &r.flat_after, &r.leaks_after, &r.moved})
+        *number = static_cast<std::uint64_t>(*at++);
+      for (double* value : {&r.length, &r.drop_before, &r.drop_after, &r.total, &r.largest}) *value = *at++;
+    }
+}
+
 void write_broken(store::Writer& out, std::span<const GroupSolution> solutions) {
   std::vector<BrokenPlace> all;
   std::vector<std::uint64_t> begin{0};
@@ -223,13 +289,59 @@ void read_broken(const store::Reader& in, std::vector<GroupSolution>& solutions)
   check_below(in, kind, static_cast<std::uint64_t>(RowKind::chain) + 1);
   for (std::size_t s = 0; s < solutions.size(); ++s)
     for (std::uint64_t i = begin[s]; i < begin[s + 1]; ++i)
-      solutions[s].broken.push_back({static_cast<RowKind>(kind[i]), strict[i] != 0, missing[i], std::move(points[i]),
+      solutions[s].broken.push_back({static_cast<RowKind>(kind[i]),
+                                     strict[i] != 0,
+                                     missing[i],
+                                     std::move(points[i]),
                                      {xy[2 * i], xy[2 * i + 1]}});
 }
 
 constexpr std::size_t kNumFigures = 6;
 
 }  // namespace
+
+RiverNames name_rivers(const RunContext& context, const RiverNetwork& network) {
+  std::vector<std::uint32_t> parent(network.num_vertices());
+  std::iota(parent.begin(), parent.end(), 0u);
+  const auto find = [&](std::uint32_t v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  for (const auto& [from, to] : network.river) {
+    const std::uint32_t a = find(from), b = find(to);
+    const bool a_first = network.position[a] < network.position[b];
+    parent[a_first ? b : a] = a_first ? a : b;
+  }
+  const auto& names = context.river_input->name;
+  std::map<std::string, std::uint32_t> named;
+  std::map<LatticePoint, std::uint32_t> unnamed;
+  std::map<LatticePoint, std::uint32_t> networks;
+  for (std::size_t e = 0; e < network.river.size(); ++e) {
+    const std::string& name = names[network.line[e]];
+    const LatticePoint top = network.position[find(network.river[e].from)];
+    networks.emplace(top, 0);
+    if (name.empty())
+      unnamed.emplace(top, 0);
+    else
+      named.emplace(name, 0);
+  }
+  RiverNames out;
+  std::uint32_t count = 0;
+  for (auto& [top, number] : networks) number = ++count;
+  for (auto& [name, number] : named) {
+    number = static_cast<std::uint32_t>(out.name.size());
+    out.name.push_back(name);
+  }
+  for (auto& [top, number] : unnamed) {
+    number = static_cast<std::uint32_t>(out.name.size());
+    out.name.push_back("network " + std::to_string(networks.at(top)));
+  }
+  for (std::size_t e = 0; e < network.river.size(); ++e) {
+    const std::string& name = names[network.line[e]];
+    out.river.push_back(name.empty() ? unnamed.at(network.position[find(network.river[e].from)]) : named.at(name));
+  }
+  return out;
+}
 
 void write_network(store::Writer& out, const RiverNetwork& n) {
   std::vector<std::int32_t> xyz;
@@ -318,7 +430,8 @@ void write_solutions(store::Writer& out, std::span<const GroupSolution> solution
         flat.insert(flat.end(), s.group.begin(), s.group.end());
       },
       "groups solved together");
-  write_heights(out, "moved", solutions, &GroupSolution::moved, "vertices that the rivers move");
+  write_moved(out, solutions);
+  write_table(out, solutions);
   write_heights(out, "floor", solutions, &GroupSolution::floor, "wingtips, and the least height the valleys leave");
   write_lists<std::uint64_t>(
       out, "near", solutions,
@@ -343,7 +456,8 @@ std::vector<GroupSolution> read_solutions(const store::Reader& in) {
   std::vector<GroupSolution> out(begins - 1);
   auto group = read_lists<std::uint32_t>(in, "solution_group", out.size());
   auto near = read_lists<std::uint64_t>(in, "near", out.size());
-  read_heights(in, "moved", out, &GroupSolution::moved);
+  read_moved(in, out);
+  read_table(in, out);
   read_heights(in, "floor", out, &GroupSolution::floor);
   read_broken(in, out);
   const auto objective = read_sized<double>(in, "objective", 2 * out.size());
@@ -369,19 +483,24 @@ std::shared_ptr<const EmbeddedRivers> load_embedded_rivers(const RunContext& con
   out->network = read_network(context);
   const store::Reader in(context.layout.unit(Phase::unite, 0));
   out->solution = read_solutions(in);
+  const RiverNetwork& n = out->network;
   for (const GroupSolution& s : out->solution) {
-    out->moved.insert(out->moved.end(), s.moved.begin(), s.moved.end());
-    out->floor.insert(out->floor.end(), s.floor.begin(), s.floor.end());
+    for (const MovedVertex& v : s.moved) out->moved.emplace_back(v.point, v.after);
+    for (const auto& [point, height] : s.floor) out->bound[point].lower = height;
+    for (const BrokenPlace& place : s.broken) {
+      if (place.is_strict_part) continue;
+      if (place.kind == RowKind::flow) out->contradicted.emplace_back(place.point[0], place.point[1]);
+      if (place.kind == RowKind::valley) out->contradicted.emplace_back(place.point[1], place.point[2]);
+    }
   }
   std::sort(out->moved.begin(), out->moved.end());
-  std::sort(out->floor.begin(), out->floor.end());
-  const RiverNetwork& n = out->network;
+  std::sort(out->contradicted.begin(), out->contradicted.end());
+  out->contradicted.erase(std::unique(out->contradicted.begin(), out->contradicted.end()), out->contradicted.end());
   for (const auto* edges : {&n.river, &n.chain})
-    for (const auto& [from, to] : *edges) out->way.insert(out->way.end(), {n.point[from], n.point[to]});
+    for (const auto& [from, to] : *edges)
+      for (const std::uint32_t v : {from, to}) out->bound[n.point[v]].is_way = true;
   for (const Lake& lake : n.lake)
-    for (const std::uint32_t v : lake.vertex) out->way.push_back(n.point[v]);
-  std::sort(out->way.begin(), out->way.end());
-  out->way.erase(std::unique(out->way.begin(), out->way.end()), out->way.end());
+    for (const std::uint32_t v : lake.vertex) out->bound[n.point[v]].is_way = true;
   for (const std::uint32_t v : n.outlet) out->outlet.push_back(n.point[v]);
   std::sort(out->outlet.begin(), out->outlet.end());
   for (const auto& [from, to] : n.river) out->edge.emplace_back(n.point[from], n.point[to]);

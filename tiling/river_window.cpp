@@ -204,8 +204,7 @@ void remove_gone(const RiverNetwork& patch, std::uint32_t tile, Share& share) {
   if (first == last) return;
   std::vector<Corners> gone;
   for (auto at = first; at != last; ++at)
-    gone.push_back(
-        canonical({patch.point[at->vertex[0]], patch.point[at->vertex[1]], patch.point[at->vertex[2]]}));
+    gone.push_back(canonical({patch.point[at->vertex[0]], patch.point[at->vertex[1]], patch.point[at->vertex[2]]}));
   std::sort(gone.begin(), gone.end());
   std::size_t kept = 0;
   for (std::size_t t = 0; t < share.triangle.size(); t += 3) {
@@ -308,8 +307,8 @@ RiverWindow WindowReader::read(const CellGrid& grid, std::span<const Cell> cells
   std::vector<std::pair<std::uint32_t, Share>> shares;
   for (std::uint32_t t = 0; t < bounds_.size(); ++t) {
     if (bounds_[t].is_empty() || !meets(bounds_[t], grid, cells)) continue;
-    Share& share = shares.emplace_back(t, read_share(store::Reader(context_.layout.unit(Phase::lay, t)), grid, cells))
-                       .second;
+    Share& share =
+        shares.emplace_back(t, read_share(store::Reader(context_.layout.unit(Phase::lay, t)), grid, cells)).second;
     if (patch_ != nullptr) remove_gone(*patch_, t, share);
   }
   if (patch_ != nullptr) shares.emplace_back(context_.plan.num_tiles(), share_of_patch(*patch_, grid, cells));

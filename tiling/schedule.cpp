@@ -17,8 +17,9 @@ namespace {
 
 bool is_single(Phase phase) {
   return phase == Phase::plan || phase == Phase::survey || phase == Phase::outline || phase == Phase::join ||
-         phase == Phase::mend || phase == Phase::match || phase == Phase::unite || phase == Phase::rank || phase == Phase::choose || phase == Phase::drain ||
-         phase == Phase::lakes || phase == Phase::groups || phase == Phase::report;
+         phase == Phase::mend || phase == Phase::match || phase == Phase::unite || phase == Phase::rank ||
+         phase == Phase::choose || phase == Phase::drain || phase == Phase::lakes || phase == Phase::groups ||
+         phase == Phase::report;
 }
 
 bool is_of_thinning(Phase phase) {

@@ -296,9 +296,8 @@ void read_constraints(const Reader& rivers, RiverConstraints& constraints) {
     set_directions(place("triangle_directions"), static_cast<std::uint32_t>(directions.integer(0, 180)), constraints);
   constraints.triangle_slope_change = parse_slope_limit(
       place("max_triangle_slope_change"), text("max_triangle_slope_change", "50%", "50% of the old slope, or 0.5"));
-  for (const auto& [key, flag] : {std::pair{"flow", &constraints.flow},
-                                  {"valley", &constraints.valley},
-                                  {"river_only", &constraints.river_only}})
+  for (const auto& [key, flag] :
+       {std::pair{"flow", &constraints.flow}, {"valley", &constraints.valley}, {"river_only", &constraints.river_only}})
     if (const Reader given = rivers.at(key); given.is_given()) *flag = given.boolean();
   if (const Reader slope = rivers.at("side_slope"); slope.is_given())
     constraints.side_slope = slope.real(0, 1e6, "rise over run, not negative");

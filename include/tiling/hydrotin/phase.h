@@ -43,9 +43,9 @@ enum class Phase : std::uint8_t {
 };
 
 inline constexpr std::array<std::string_view, 30> kPhaseNames = {
-    "plan",   "ingest",  "arrange", "survey", "thin",   "outline", "triangulate", "join",  "seam",
-    "mend",   "lay", "match", "embed", "unite", "nest",    "rank",    "weigh",  "choose", "spill",   "drain",       "pools", "lakes",
-    "breach", "members", "groups",  "settle", "finish", "verify",  "raster",      "report"};
+    "plan",  "ingest", "arrange", "survey",  "thin",   "outline", "triangulate", "join",   "seam",   "mend",
+    "lay",   "match",  "embed",   "unite",   "nest",   "rank",    "weigh",       "choose", "spill",  "drain",
+    "pools", "lakes",  "breach",  "members", "groups", "settle",  "finish",      "verify", "raster", "report"};
 inline constexpr std::size_t kNumPhases = kPhaseNames.size();
 
 [[nodiscard]] constexpr std::string_view name(Phase phase) {

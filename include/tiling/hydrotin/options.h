@@ -42,7 +42,7 @@ struct DemOptions {
   double max_edge_m = 100.0;  ///< triangles with a longer edge stay nodata; 0: no limit
   bool cog = true;            ///< one Cloud Optimized GeoTIFF beside the tiles
   bool hillshade = true;
-  bool change = true;  ///< rasters of what pit removal changed, beside the DEM
+  bool change = true;  ///< rasters of what rivers and pit removal changed, beside the DEM
 };
 
 struct OutputOptions {

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "hydrotin/executor.h"
 #include "hydrotin/river_constraints.h"
 #include "hydrotin/river_network.h"
 
@@ -23,7 +24,7 @@
 ///       order. A component depends on nothing outside it.
 ///   (4) Of a part of a terrain: the heights of the whole terrain, or vertices around which the part must grow.
 /// Units    metres.
-/// Threads  Pure: safe to call concurrently, no hidden parallelism.
+/// Threads  Pure: safe to call concurrently; parallel by the executor given.
 
 namespace hydrotin {
 
@@ -45,7 +46,8 @@ struct EmbeddingOptions {
   RiverConstraints constraints;
   double quantum = 0;  ///< heights that move become multiples of it; 0 = doubles, without margin
   std::uint64_t max_iterations = 1'000'000'000;  ///< of the simplex, all components together
-  std::function<bool()> stop;                    ///< asked between components; true = end soon with what there is
+  std::function<bool()> stop;    ///< asked now and then, perhaps by several threads; true = end soon with what there is
+  Executor executor = serially;  ///< of the components; the heights do not depend on it
   std::span<const std::uint8_t> is_complete;  ///< [n] all triangles of the vertex are there; or empty: of every vertex
 };
 

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "hydrotin/valley_floor.h"
-#include "whole_array.h"
+#include "tile_executor.h"
 
 namespace hydrotin {
 namespace {
@@ -87,6 +87,7 @@ GroupSolver::Share GroupSolver::share_in(const RiverWindow& window, std::span<co
   const Lattice& lattice = context_.plan.lattice;
   out.options.constraints = context_.options.rivers.constraints;
   out.options.quantum = lattice.scale_z;
+  out.options.executor = tile_executor();
   RiverConstraints& constraints = out.options.constraints;
   std::vector<std::pair<RiverEdge, std::uint32_t>> river;
   for (const std::uint32_t g : group) {
@@ -208,8 +209,7 @@ void GroupSolver::tabulate(const RiverWindow& window, const Share& share, const 
   for (std::size_t r = 0; r < rivers.size(); ++r) out.table.push_back({rivers[r], rows[r]});
 }
 
-std::vector<GroupSolution> unite(const RunContext& context, const GroupSolver& solver,
-                                 std::vector<GroupSolution> solutions) {
+std::vector<GroupSolution> unite(const GroupSolver& solver, std::vector<GroupSolution> solutions) {
   const auto by_group = [](const GroupSolution& a, const GroupSolution& b) { return a.group < b.group; };
   std::sort(solutions.begin(), solutions.end(), by_group);
   for (;;) {
@@ -243,7 +243,8 @@ std::vector<GroupSolution> unite(const RunContext& context, const GroupSolver& s
     }
     if (joined.empty()) return next;
     std::vector<GroupSolution> solved(joined.size());
-    for_all(context, joined.size(), [&](std::uint64_t i) { solved[i] = solver.solve(std::move(joined[i])); });
+    tile_executor()(static_cast<std::uint32_t>(joined.size()),
+                    [&](std::uint32_t i) { solved[i] = solver.solve(std::move(joined[i])); });
     for (GroupSolution& s : solved) next.push_back(std::move(s));
     std::sort(next.begin(), next.end(), by_group);
     solutions = std::move(next);

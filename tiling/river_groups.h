@@ -42,7 +42,6 @@ class GroupSolver {
 };
 
 /// Joins solutions that come near each other and solves them again, until none do.
-[[nodiscard]] std::vector<GroupSolution> unite(const RunContext& context, const GroupSolver& solver,
-                                               std::vector<GroupSolution> solutions);
+[[nodiscard]] std::vector<GroupSolution> unite(const GroupSolver& solver, std::vector<GroupSolution> solutions);
 
 }  // namespace hydrotin

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "expected_error.h"
+#include "hdf5_attributes.h"
 #include "hydrotin/error.h"
 #include "hydrotin/lifting.h"
 #include "hydrotin/river_embedding.h"
@@ -19,6 +21,7 @@
 #include "plan.h"
 #include "river_edges.h"
 #include "shared_data.h"
+#include "store.h"
 #include "tiling_fixture.h"
 
 namespace hydrotin {
@@ -342,6 +345,86 @@ TEST(TiledRivers, ReportAndLayersSayWhatWasDone) {
   EXPECT_EQ(run(without).river_edges, 0U);
   EXPECT_FALSE(std::filesystem::exists(folder / "out/terrain/rivers.h5"));
   EXPECT_TRUE(check_dataset(folder / "out", 1000).ok);
+}
+
+bool mentions(const DatasetSummary& checked, const std::string& text) {
+  return std::any_of(checked.problems.begin(), checked.problems.end(),
+                     [&](const std::string& problem) { return problem.find(text) != std::string::npos; });
+}
+
+TEST(TiledRivers, CheckFindsWhatIsWrong) {
+  const TemporaryFolder folder;
+  const Scene scene = make_scene(folder, 5, 4'000, true);
+  const PipelineOptions options = options_of(scene, folder / "out", 1'000);
+  const DatasetSummary summary = run(options);
+  ASSERT_TRUE(check_dataset(folder / "out", 10).ok);
+  const auto damaged = [&](const std::string& name, auto damage) {
+    const std::string copy = folder / name;
+    std::filesystem::copy(folder / "out", copy, std::filesystem::copy_options::recursive);
+    damage(copy + "/terrain/");
+    return copy;
+  };
+  // The lower end of a river edge that one file holds rises above the upper one.
+  const std::string higher = damaged("higher", [&](const std::string& terrain) {
+    for (int t = 0; t < 4; ++t) {
+      const std::string path = terrain + "tile_00000" + std::to_string(t) + ".h5";
+      std::optional<std::pair<std::uint32_t, std::int32_t>> change;
+      {
+        const store::Reader in(path);
+        const auto edge = in.read<std::uint32_t>("river_edge");
+        const auto height = in.read<std::int32_t>("height");
+        for (std::size_t i = 0; i + 1 < edge.size() && !change; i += 2)
+          if (edge[i] < height.size() && edge[i + 1] < height.size()) change = {edge[i + 1], height[edge[i]] + 1};
+      }
+      if (!change) continue;
+      testing::set_entry(path, "height", change->first, change->second);
+      return;
+    }
+  });
+  DatasetSummary checked = check_dataset(higher, 10);
+  EXPECT_FALSE(checked.ok);
+  EXPECT_GT(checked.invalid_river_edges, 0U);
+  EXPECT_TRUE(mentions(checked, "is invalid, though nothing speaks against it"));
+  EXPECT_TRUE(mentions(checked, "river edges, 0 of them invalid, but there are"));
+
+  checked = check_dataset(damaged("fewer",
+                                  [&](const std::string& terrain) {
+                                    testing::set_attribute(terrain + "index.h5", "river_edges",
+                                                           static_cast<std::int64_t>(summary.river_edges - 1));
+                                  }),
+                          10);
+  EXPECT_TRUE(mentions(checked, "it states " + std::to_string(summary.river_edges - 1) + " river edges"));
+
+  ASSERT_GT(store::Reader(folder / "out/terrain/rivers.h5").size("new_xyz"), 0U) << "the scene needs a Steiner point";
+  checked = check_dataset(
+      damaged("moved",
+              [&](const std::string& terrain) { testing::set_entry(terrain + "rivers.h5", "new_xyz", 2, -7); }),
+      10);
+  EXPECT_TRUE(mentions(checked, "the new vertex at"));
+
+  const std::string lost =
+      damaged("lost", [&](const std::string& terrain) { std::filesystem::remove(terrain + "rivers.h5"); });
+  EXPECT_NE(testing::error_of([&] { (void)check_dataset(lost, 10); }, ErrorKind::storage).find("rivers.h5"),
+            std::string::npos);
+}
+
+TEST(TiledRivers, LinesDrawnUpstreamOnARealDem) {
+  HYDROTIN_REQUIRE_SHARED_DATA();
+  const TemporaryFolder folder;
+  PipelineOptions options = testing::options_for({}, folder / "out");
+  options.input.dem = {testing::shared_path("dem_rivers_logan/output[0-3].tif")};
+  options.rivers.lines = testing::shared_path("dem_rivers_logan/logannet.shp");
+  options.tiles.target_points = 20'000;
+  const DatasetSummary got = run(options);
+  EXPECT_TRUE(got.ok);
+  EXPECT_EQ(got.pits, 0U);
+  EXPECT_EQ(got.river_edges, 2'838U);
+  EXPECT_EQ(got.invalid_river_edges, 0U);
+  const auto rivers = nlohmann::json::parse(testing::bytes_of(folder / "out/report.json")).at("rivers");
+  EXPECT_EQ(rivers.at("lines").at("lines_turned"), 152);
+  EXPECT_EQ(rivers.at("all").at("wrong_flow_before"), 522);
+  EXPECT_EQ(rivers.at("all").at("not_valley_after"), 0);
+  EXPECT_EQ(rivers.at("optimal"), true);
 }
 
 TEST(TiledRivers, BadInputsAreNamed) {

@@ -312,6 +312,15 @@ RiverWindow WindowReader::read(const CellGrid& grid, std::span<const Cell> cells
     if (patch_ != nullptr) remove_gone(*patch_, t, share);
   }
   if (patch_ != nullptr) shares.emplace_back(context_.plan.num_tiles(), share_of_patch(*patch_, grid, cells));
+  // Measured, with all that matching and embedding make of them.
+  constexpr std::uint64_t kBytesPerTriangle = 400;
+  std::uint64_t corners = 0;
+  for (const auto& [tile, share] : shares) corners += share.triangle.size();
+  if (const std::uint64_t need = corners / 3 * kBytesPerTriangle; need > context_.options.run.memory_bytes)
+    throw Error(ErrorKind::resource, context_.options.rivers.lines + ": the terrain around these rivers needs " +
+                                         std::to_string(need >> 20) + " MiB, but run.memory is " +
+                                         std::to_string(context_.options.run.memory_bytes >> 20) +
+                                         " MiB; raise run.memory or give fewer lines");
   Merger merger;
   for (const auto& [tile, share] : shares) merger.add(tile, share);
   return merger.merge(grid, cells, context_.layout.unit(Phase::lay, 0));

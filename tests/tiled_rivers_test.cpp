@@ -339,11 +339,15 @@ TEST(TiledRivers, ReportAndLayersSayWhatWasDone) {
   // The bound is that of rows with margins; heights are then rounded to centimetres.
   EXPECT_LE(rivers.at("bound").get<double>(),
             rivers.at("objective").get<double>() + 0.005 * rivers.at("vertices_moved").get<double>());
+  const std::string profile = testing::bytes_of(folder / "out/profiles/01-stem.svg");
+  EXPECT_NE(profile.find("<polyline"), std::string::npos);
+  EXPECT_NE(profile.find(">stem</text>"), std::string::npos);
   // Without rivers nothing of them is left.
   PipelineOptions without = options;
   without.rivers = {};
   EXPECT_EQ(run(without).river_edges, 0U);
   EXPECT_FALSE(std::filesystem::exists(folder / "out/terrain/rivers.h5"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/profiles"));
   EXPECT_TRUE(check_dataset(folder / "out", 1000).ok);
 }
 

@@ -32,6 +32,7 @@ class Layout {
   [[nodiscard]] std::string dem() const { return out_ + "/dem.tif"; }
   [[nodiscard]] std::string hillshade() const { return out_ + "/hillshade.png"; }
   [[nodiscard]] std::string layers() const { return out_ + "/layers.gpkg"; }
+  [[nodiscard]] std::string profiles() const { return out_ + "/profiles"; }
   [[nodiscard]] std::string pits_csv() const { return out_ + "/pits.csv"; }
   [[nodiscard]] std::string report_json() const { return out_ + "/report.json"; }
   [[nodiscard]] std::string report_text() const { return out_ + "/report.txt"; }

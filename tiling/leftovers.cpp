@@ -1,5 +1,6 @@
 #include "leftovers.h"
 
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <optional>
@@ -66,6 +67,16 @@ void remove_leftovers(const RunContext& context) {
   remove_leftover(layout.hillshade());
   remove_leftover(layout.hillshade() + ".aux.xml");
   remove_leftover(fs::path(layout.hillshade()).replace_extension(".wld"));
+}
+
+void remove_other_profiles(const RunContext& context, const std::vector<std::string>& made) {
+  std::vector<fs::path> leftover;
+  std::error_code absent;
+  for (fs::directory_iterator at(context.layout.profiles(), absent), end; !absent && at != end; at.increment(absent))
+    if (at->path().extension() == ".svg" && std::find(made.begin(), made.end(), at->path().string()) == made.end())
+      leftover.push_back(at->path());
+  for (const fs::path& path : leftover) remove_leftover(path);
+  if (made.empty()) fs::remove(context.layout.profiles(), absent);  // only if nothing else lies there
 }
 
 }  // namespace hydrotin

@@ -498,7 +498,15 @@ std::vector<std::pair<std::string, std::uint64_t>> list_outputs(const RunContext
   if (context.options.output.dem.enabled && context.options.output.dem.cog) add(context.layout.dem());
   if (wants_change_raster(context.options) && context.options.output.dem.cog) add(context.layout.change());
   if (context.options.output.dem.enabled && context.options.output.dem.hillshade) add(context.layout.hillshade());
-  if (context.rivers) add(context.layout.rivers());
+  if (context.rivers) {
+    add(context.layout.rivers());
+    std::error_code absent;
+    std::vector<fs::path> profiles;
+    for (fs::directory_iterator at(context.layout.profiles(), absent), end; !absent && at != end; at.increment(absent))
+      profiles.push_back(at->path());
+    std::sort(profiles.begin(), profiles.end());
+    for (const fs::path& path : profiles) add(path);
+  }
   for (const auto& path :
        {context.layout.layers(), context.layout.pits_csv(), context.layout.report_json(), context.layout.report_text()})
     add(path);
@@ -557,6 +565,8 @@ void write_report(const RunContext& context) {
   write_file(context.layout.report_text(), to_text(context, figures));
   if (context.rivers) write_river_store(context);
   remove_leftovers(context);
+  remove_other_profiles(context,
+                        figures.rivers ? write_river_profiles(context, *figures.rivers) : std::vector<std::string>());
   write_index(context, figures);
 }
 

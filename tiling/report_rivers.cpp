@@ -8,6 +8,7 @@
 #include <ostream>
 #include <tuple>
 
+#include "hydrotin/profile_svg.h"
 #include "river_input.h"
 
 namespace hydrotin {
@@ -403,6 +404,43 @@ void write_text(const RunContext& context, const RiverFigures& f, std::ostream& 
                   r.moved > 0 ? r.total / static_cast<double>(r.moved) : 0.0);
     out << line;
   }
+}
+
+std::vector<std::string> write_river_profiles(const RunContext& context, const RiverFigures& f) {
+  constexpr std::size_t kMostProfiles = 40;
+  const EmbeddedRivers& rivers = *context.rivers;
+  const RiverNetwork& network = rivers.network;
+  const Lattice& l = context.plan.lattice;
+  // Rivers by length, as the stems are asked for.
+  std::vector<std::uint32_t> place(f.order.size()), river;
+  for (std::uint32_t i = 0; i < f.order.size(); ++i) place[f.order[i]] = i;
+  for (const std::uint32_t r : f.names.river) river.push_back(place[r]);
+  std::vector<std::array<double, 2>> position;
+  std::vector<double> before, after;
+  for (std::uint32_t v = 0; v < network.num_vertices(); ++v) {
+    position.push_back({network.position[v].x * l.scale_xy, network.position[v].y * l.scale_xy});
+    before.push_back(l.z(network.height[v]));
+    const auto found = f.height.find(network.point[v]);
+    after.push_back(l.z(found != f.height.end() ? found->second : embedded(rivers, v)));
+  }
+  const MainStems stems =
+      main_stems({position, before, {}}, network.river, river, static_cast<std::uint32_t>(f.order.size()));
+  std::vector<std::string> out;
+  for (std::size_t g = 0; g < f.order.size() && g < kMostProfiles; ++g) {
+    std::vector<double> along, then, now;
+    for (std::size_t i = stems.begin[g]; i < stems.begin[g + 1]; ++i) {
+      const std::uint32_t v = stems.vertex[i], u = i > stems.begin[g] ? stems.vertex[i - 1] : v;
+      along.push_back((along.empty() ? 0 : along.back()) +
+                      std::hypot(position[v][0] - position[u][0], position[v][1] - position[u][1]));
+      then.push_back(before[v]);
+      now.push_back(after[v]);
+    }
+    if (along.empty()) continue;
+    const std::string& name = f.names.name[f.order[g]];
+    out.push_back(context.layout.profiles() + "/" + profile_file_name(g, name));
+    write_profile_svg(out.back(), name, along, then, now);
+  }
+  return out;
 }
 
 void write_river_layers(const RunContext& context, const RiverFigures& figures, GeoPackageWriter& out) {

@@ -39,6 +39,9 @@ void write_to_index(const RunContext& context, const RiverFigures& figures, stor
 [[nodiscard]] std::string rivers_json(const RunContext& context, const RiverFigures& figures);
 void write_text(const RunContext& context, const RiverFigures& figures, std::ostream& out);
 
+/// Longitudinal profiles of the longest rivers, in a folder that holds no others afterwards. Returns their paths.
+std::vector<std::string> write_river_profiles(const RunContext& context, const RiverFigures& figures);
+
 /// Layers river_edges, moved_vertices, contradictions, mouths, outlet_chains, lines and lines_that_rise.
 void write_river_layers(const RunContext& context, const RiverFigures& figures, GeoPackageWriter& out);
 

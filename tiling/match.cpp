@@ -219,7 +219,7 @@ class WindowMatch {
     };
     std::sort(used.begin(), used.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
     used.erase(std::unique(used.begin(), used.end()), used.end());
-    number_.assign(num_vertices(), 0);
+    number_.assign(num_vertices(), std::numeric_limits<std::uint32_t>::max());
     for (const std::uint32_t v : used) {
       number_[v] = out_.num_vertices();
       out_.point.push_back(v < old ? window_.point[v] : PointId(context_.plan.num_tiles(), out_.num_new++).value);
@@ -293,6 +293,31 @@ class WindowMatch {
     }
   }
 
+  // Networks with a triangle's corner in common would be solved together anyway (see river_groups.h).
+  template <class Join>
+  void join_near(Join join) {
+    std::vector<std::uint8_t> is_way(out_.num_vertices(), 0);
+    for (const auto* edges : {&out_.river, &out_.chain})
+      for (const auto& [from, to] : *edges) is_way[from] = is_way[to] = 1;
+    for (const Lake& lake : out_.lake)
+      for (const std::uint32_t v : lake.vertex) is_way[v] = 1;
+    constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+    const LatticeTerrain& after = terrain();
+    std::vector<std::uint32_t> first(after.num_vertices(), kNone);  // a way vertex next to each vertex
+    for (std::size_t t = 0; t < after.triangle.size(); t += 3)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::uint32_t w = number_[after.triangle[t + i]];
+        if (w == kNone || is_way[w] == 0) continue;
+        for (std::size_t k = 0; k < 3; ++k) {
+          std::uint32_t& other = first[after.triangle[t + k]];
+          if (other == kNone)
+            other = w;
+          else
+            join(other, w);
+        }
+      }
+  }
+
   // What rivers, chains and lakes hold together, numbered by the smallest vertex.
   void find_groups() {
     std::vector<std::uint32_t> parent(out_.num_vertices());
@@ -311,6 +336,7 @@ class WindowMatch {
       for (const auto& [from, to] : *edges) join(from, to);
     for (const Lake& lake : out_.lake)
       for (const std::uint32_t v : lake.vertex) join(lake.vertex[0], v);
+    join_near(join);
     std::map<LatticePoint, std::uint32_t> group;
     const auto top = [&](std::uint32_t v) { return out_.position[find(v)]; };
     for (const auto& edge : out_.river) group.emplace(top(edge.from), 0);

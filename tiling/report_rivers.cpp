@@ -255,6 +255,28 @@ ordered_json to_json(const std::string& name, const RiverRow& r) {
 
 }  // namespace
 
+std::vector<std::uint64_t> laid_rim_minima(const RunContext& context) {
+  std::vector<std::pair<std::uint64_t, std::uint8_t>> rim;
+  for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t) {
+    const store::Reader in(context.layout.unit(Phase::lay, t));
+    const auto point = in.read<std::uint64_t>("rim");
+    const auto has_lower = in.read<std::uint8_t>("rim_has_lower");
+    for (std::size_t i = 0; i < point.size() && i < has_lower.size(); ++i) {
+      if (PointId(point[i]).tile() >= context.plan.num_tiles())
+        throw Error(ErrorKind::storage,
+                    in.path() + ": a rim vertex is of a tile that does not exist; delete the file and run again");
+      rim.emplace_back(point[i], has_lower[i]);
+    }
+  }
+  std::sort(rim.begin(), rim.end());
+  std::vector<std::uint64_t> out(context.plan.num_tiles());
+  for (std::size_t i = 0; i < rim.size(); ++i) {
+    if (i + 1 < rim.size() && rim[i + 1].first == rim[i].first) continue;
+    out[PointId(rim[i].first).tile()] += rim[i].second == 0;  // the last entry of a point knows of a lower one, if any
+  }
+  return out;
+}
+
 RiverFigures collect_river_figures(const RunContext& context) {
   const EmbeddedRivers& rivers = *context.rivers;
   RiverFigures out;

@@ -32,6 +32,9 @@ struct RiverFigures {
 /// Precondition: the context has rivers.
 [[nodiscard]] RiverFigures collect_river_figures(const RunContext& context);
 
+/// [tiles] Vertices on rims without a lower neighbour in any part, by the tile that owns them, before the rivers.
+[[nodiscard]] std::vector<std::uint64_t> laid_rim_minima(const RunContext& context);
+
 /// terrain/rivers.h5: what files of tiles do not tell.
 void write_river_store(const RunContext& context);
 void write_to_index(const RunContext& context, const RiverFigures& figures, store::Writer& out);

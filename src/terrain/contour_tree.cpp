@@ -44,8 +44,14 @@ Ids merge_tree(const VertexGraph& graph, Sequence sequence, Before before) {
     for (const std::uint32_t w : graph.neighbors(v)) several |= parent[w] != parent[v] && before(w, v);
     may_join[v] = several;
   }
-  Ids next(n, kNoVertex), last(n);  // last: of a set, at its root
+  Ids next(n, kNoVertex), last(n);                                            // last: of a set, at its root
+  constexpr std::uint32_t kFetchVertex = 32, kFetchRoot = 16, kFetchEnd = 8;  // visits ahead
   for (std::uint32_t i = 0; i < n; ++i) {
+    if (i + kFetchVertex < n) {  // neighbours in height are far from each other in memory, but known ahead
+      __builtin_prefetch(&parent[sequence(i + kFetchVertex)]);
+      __builtin_prefetch(&last[parent[sequence(i + kFetchRoot)]]);
+      __builtin_prefetch(&next[last[parent[sequence(i + kFetchEnd)]]]);
+    }
     const std::uint32_t v = sequence(i);
     const std::uint32_t root = find(parent, v);
     if (root != v) next[last[root]] = v;

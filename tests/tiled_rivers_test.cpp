@@ -343,6 +343,12 @@ TEST(TiledRivers, JobArraysGiveTheSame) {
     for (std::uint64_t task = 0; task < 3; ++task) run_phase(options, static_cast<Phase>(p), 2 - task, 3, silent);
   EXPECT_EQ(check_dataset(options.output.dir, 1000).fingerprint, expected);
   expect_checked(options.output.dir, check_dataset(folder / "whole", 1).river_edges);
+  // Outputs of every kind that an interruption took.
+  for (const std::string lost : {"work/lay/000001.h5", "work/match/000000.h5", "work/embed/000000.h5",
+                                 "work/unite/000000.h5", "terrain/rivers.h5", "terrain/index.h5"})
+    ASSERT_TRUE(std::filesystem::remove(folder / ("array/" + lost))) << lost;
+  EXPECT_EQ(run(options).fingerprint, expected);
+  EXPECT_TRUE(check_dataset(options.output.dir, 1000).ok);
 }
 
 TEST(TiledRivers, ReportAndLayersSayWhatWasDone) {

@@ -264,11 +264,77 @@ TEST(Config, Errors_NameLineAndColumn) {
   EXPECT_EQ(config_error(kMinimal + "---\nrun: {}\n").find("a second YAML document") == std::string::npos, false);
 }
 
-TEST(Config, WhatThisVersionCannotDo_IsRefused) {
-  EXPECT_EQ(config_error("input: {points: a.laz, rivers: r.gpkg}\n"),
-            "c.yaml:1:32: input.rivers: this version does not embed rivers (remove the key)");
+TEST(Config, Rivers_AreReadAndChecked) {
+  const TemporaryFolder folder;
+  const std::string lines = "input: {points: a.laz, rivers: r.gpkg}\n";
+  const RiverOptions plain = options_of(folder, lines).rivers;
+  EXPECT_EQ(plain.lines, (folder / "r.gpkg").string());
+  EXPECT_TRUE(plain.lakes.empty());
+  EXPECT_FALSE(plain.matching.insert);
+  EXPECT_EQ(plain.matching.direction, LineDirection::automatic);
+  EXPECT_EQ(plain.constraints.decline_measure, DeclineMeasure::fraction);
+  EXPECT_EQ(plain.constraints.decline, 0.1);
+  EXPECT_TRUE(plain.constraints.limit_edge_slope);
+  EXPECT_EQ(plain.constraints.edge_slope_change, 0.5);
+  EXPECT_EQ(plain.constraints.max_change, 0);
+  const RiverOptions full =
+      options_of(folder,
+                 "input: {points: a.laz, rivers: r.gpkg, lakes: /data/l.shp}\n"
+                 "rivers: {variant: VFR, decline: 0.02, max_edge_slope_change: 30%, max_change_m: 5, "
+                 "side_slope: 0.01, contiguous: 3, triangle_directions: 4, max_triangle_slope_change: 0.2, "
+                 "flow: true, valley: false, river_only: true, match: insert, use_z: true, direction: "
+                 "attribute, direction_field: way, reversed_values: [up, -1], name_field: name, "
+                 "lake_level_field: z, crs: EPSG:3358}\n")
+          .rivers;
+  EXPECT_EQ(full.lakes, "/data/l.shp");
+  EXPECT_EQ(full.constraints.decline_measure, DeclineMeasure::slope);
+  EXPECT_EQ(full.constraints.decline, 0.02);
+  EXPECT_FALSE(full.constraints.limit_edge_slope);
+  EXPECT_DOUBLE_EQ(full.constraints.edge_slope_change, 0.3);
+  EXPECT_EQ(full.constraints.max_change, 5);
+  EXPECT_EQ(full.constraints.side_slope, 0.01);
+  EXPECT_EQ(full.constraints.contiguity, Contiguity::imaginary_points);
+  EXPECT_EQ(full.constraints.imaginary_points, 3U);
+  EXPECT_EQ(full.constraints.directions.size(), 4U);
+  EXPECT_EQ(full.constraints.triangle_slope_change, 0.2);
+  EXPECT_TRUE(full.constraints.flow);
+  EXPECT_FALSE(full.constraints.valley);
+  EXPECT_TRUE(full.constraints.river_only);
+  EXPECT_TRUE(full.matching.insert);
+  EXPECT_TRUE(full.use_z);
+  EXPECT_EQ(full.matching.direction, LineDirection::attribute);
+  EXPECT_EQ(full.direction_field, "way");
+  EXPECT_EQ(full.reversed_values, (std::vector<std::string>{"up", "-1"}));
+  EXPECT_EQ(full.name_field, "name");
+  EXPECT_EQ(full.lake_level_field, "z");
+  EXPECT_EQ(full.crs, "EPSG:3358");
+  EXPECT_EQ(options_of(folder, lines + "rivers: {variant: VF}\n").rivers.constraints.decline_measure,
+            DeclineMeasure::none);
+
   EXPECT_EQ(config_error(kMinimal + "rivers: {variant: VFRS}\n"),
-            "c.yaml:2:9: rivers: this version does not embed rivers (remove the key)");
+            "c.yaml:2:9: rivers: there are none (give their lines as input.rivers)");
+  EXPECT_EQ(config_error("input: {points: a.laz, lakes: l.gpkg}\n"),
+            "c.yaml:1:31: input.lakes: lakes are those that rivers run through (give input.rivers)");
+  EXPECT_EQ(config_error(lines + "rivers: {variant: FV}\n"),
+            "c.yaml:2:19: rivers.variant: 'FV' is not possible (allowed: VF, VFR, VFRS)");
+  EXPECT_EQ(config_error(lines + "rivers: {decline: -1%}\n"),
+            "c.yaml:2:19: rivers.decline: '-1%' is not possible (write 10%, 1deg or rise over run, not negative)");
+  EXPECT_EQ(config_error(lines + "rivers: {max_edge_slope_change: 1deg}\n"),
+            "c.yaml:2:33: rivers.max_edge_slope_change: '1deg' is not possible (write 50% of the old slope, or 0.5)");
+  EXPECT_EQ(config_error(lines + "rivers: {max_change_m: 0}\n"),
+            "c.yaml:2:24: rivers.max_change_m: '0' is not possible (allowed: a height in metres above 0)");
+  EXPECT_EQ(config_error(lines + "rivers: {use_z: true}\n"),
+            "c.yaml:2:17: rivers.use_z: snapped rivers keep the heights of the terrain (give rivers.match: insert)");
+  EXPECT_EQ(config_error(lines + "rivers: {direction: attribute}\n"),
+            "c.yaml:2:9: rivers.direction: attribute and rivers.direction_field belong together (give both or none)");
+  EXPECT_EQ(config_error(lines + "rivers: {lake_level_field: z}\n"),
+            "c.yaml:2:28: rivers.lake_level_field: there are no lakes (give input.lakes)");
+  EXPECT_EQ(config_error(lines + "rivers: {contiguous: some}\n").rfind("c.yaml:2:22: rivers.contiguous: 'some'", 0),
+            0U);
+  EXPECT_EQ(config_error(lines + "rivers: {depth: 3}\n").rfind("c.yaml:2:10: unknown key 'depth' in rivers", 0), 0U);
+}
+
+TEST(Config, MethodsThatAreNone_AreRefused) {
   EXPECT_EQ(config_error(kMinimal + "pits: {method: fill}\n"),
             "c.yaml:2:16: pits.method: 'fill' is not possible (allowed: none, lift, breach, greedy-breach, "
             "least-change)");

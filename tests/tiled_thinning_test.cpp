@@ -149,7 +149,7 @@ TEST(ThinnedRun, PhasesAsJobArraysAndAfterLosses) {
   const TemporaryFolder folder;
   const Survey survey = survey_of(folder, CloudKind::voided, 3);
   PipelineOptions whole = options_of(survey, folder / "whole", 2, 1'000'000);
-  whole.pits.method = PitMethod::least_change;  // no phase is left out
+  whole.pits.method = PitMethod::least_change;  // no phase but those of rivers is left out
   const DatasetSummary expected = testing::run(whole);
   PipelineOptions options = options_of(survey, folder / "out", 2, 2'000);
   options.pits.method = whole.pits.method;
@@ -159,7 +159,8 @@ TEST(ThinnedRun, PhasesAsJobArraysAndAfterLosses) {
     for (const std::uint64_t task : {2, 1, 0}) run_phase(options, static_cast<Phase>(p), task, 3, silent);
     const PhaseStatus status = pipeline_status(options)[p];
     EXPECT_EQ(status.done, status.units) << name(static_cast<Phase>(p));
-    EXPECT_GT(status.units, 0U);
+    const bool is_of_rivers = static_cast<Phase>(p) >= Phase::lay && static_cast<Phase>(p) <= Phase::unite;
+    EXPECT_EQ(status.units > 0, !is_of_rivers) << name(static_cast<Phase>(p));
   }
   EXPECT_EQ(check_dataset(options.output.dir, 0).fingerprint, expected.fingerprint);
   // Outputs of every kind that an interruption took.

@@ -102,6 +102,10 @@ void check_owners(const DatasetIndex& index, std::span<const TileFacts> facts, P
     }
   });
   for (const Problems& p : found) problems.add(p);
+  const auto first = std::partition_point(claims.begin(), claims.end(), [&](const ForeignVertex& c) {
+    return PointId(c.point).tile() < index.num_tiles();
+  });
+  check_new_vertices(index, {first, claims.end()}, problems);
 }
 
 std::uint64_t check_pits(const DatasetIndex& index, std::vector<TileFacts>& facts, Problems& problems) {
@@ -212,6 +216,7 @@ DatasetSummary check_dataset(const std::string& dir, std::uint64_t order_sample)
     summary.fingerprint = fingerprint.hex();
     check_edges(index, reading.facts, problems);
     check_owners(index, reading.facts, problems);
+    check_rivers(index, reading.facts, summary.river_edges, summary.invalid_river_edges, problems);
     // Parts that disagree about the heights of shared vertices have no plateaus in common.
     if (problems.count("foreign heights") == 0 && problems.count("use of vertices") == 0) {
       check_kept(index, reading.facts, problems);

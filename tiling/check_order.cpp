@@ -117,6 +117,7 @@ OrderCount check_orders(const DatasetIndex& index, const BoxTree& tile_boxes, st
     const LatticePoint a = file.position[file.triangle[i]], b = file.position[file.triangle[i + 1]],
                        c = file.position[file.triangle[i + 2]];
     if ((sample_key(a, b, c) >> 48) >= bins) continue;
+    if (std::binary_search(file.added_triangle.begin(), file.added_triangle.end(), i / 3)) continue;
     ++out.counted;
     if (orientation(a, b, c) <= 0) continue;  // a problem of its own
     const int order = counter.order_of(a, b, c);

@@ -6,6 +6,7 @@
 #include "hydrotin/predicates.h"
 #include "hydrotin/vertex_graph.h"
 #include "hydrotin/wide.h"
+#include "river_edges.h"
 #include "terrain_file.h"
 
 namespace hydrotin {
@@ -31,6 +32,7 @@ class TileCheck {
     read_hull();
     summarize();
     collect_foreign();
+    check_rivers();
   }
 
  private:
@@ -63,7 +65,8 @@ class TileCheck {
         problem("orientation", "triangle " + std::to_string(i / 3) + " at " + at(a) + " is not counter-clockwise");
       facts_.twice_area += twice_area(pa, pb, pc);
       facts_.fingerprint.add({corner(a), corner(b), corner(c)});
-      ++facts_.bins[sample_key(pa, pb, pc) >> 48];
+      if (!std::binary_search(tile_.added_triangle.begin(), tile_.added_triangle.end(), i / 3))
+        ++facts_.bins[sample_key(pa, pb, pc) >> 48];
     }
     if (facts_.fingerprint.hex() != tile_.fingerprint)
       problem("fingerprint", "its triangles do not have the fingerprint " + tile_.fingerprint + " that it states");
@@ -78,7 +81,7 @@ class TileCheck {
       if (has_height != (is_used_[v] != 0))
         problem("use of vertices", "the vertex at " + at(v) +
                                        (has_height ? " has a height but no triangle" : " is used but has no height"));
-      if (has_height && tile_.pit_method == "lift" && tile_.height[v] < tile_.measured[v])
+      if (has_height && tile_.pit_method == "lift" && tile_.height[v] < tile_.embedded[v])
         problem("heights", "the vertex at " + at(v) + " ends lower than it was measured");
     }
   }
@@ -145,15 +148,15 @@ class TileCheck {
     }
     for (const std::uint32_t v : tile_.outlet_vertex) is_outlet[v] = 1;
     for (std::uint32_t v = 0; v < id.size(); ++v)
-      if (is_used_[v] && is_outlet[v] && tile_.height[v] != tile_.measured[v])
+      if (is_used_[v] && is_outlet[v] && tile_.height[v] != tile_.embedded[v])
         problem("outlets", "the outlet at " + at(v) + " was moved");
     const VertexGraph graph = make_vertex_graph(tile_.num_vertices(), tile_.triangle);
     const std::vector<std::uint8_t> base = is_outlet;
     check_kept(graph, is_outlet);
     facts_.plateaus = summarize_plateaus(graph, tile_.height, tile_.position, is_outlet, id, is_rim_);
     if (index_.pits_kept == 0 && tile_.kept_vertex.empty()) return;
-    facts_.before = summarize_plateaus(graph, tile_.measured, tile_.position, base, id, is_rim_);
-    facts_.unkept = summarize_plateaus(graph, tile_.measured, tile_.position, is_outlet, id, is_rim_);
+    facts_.before = summarize_plateaus(graph, tile_.embedded, tile_.position, base, id, is_rim_);
+    facts_.unkept = summarize_plateaus(graph, tile_.embedded, tile_.position, is_outlet, id, is_rim_);
   }
 
   // Kept pits are whole pits of the terrain as measured, and stayed where they were.
@@ -161,12 +164,36 @@ class TileCheck {
     std::vector<std::uint8_t> is_kept(tile_.num_vertices(), 0);
     for (const std::uint32_t v : tile_.kept_vertex) is_kept[v] = 1;
     for (const std::uint32_t v : tile_.kept_vertex) {
-      if (!is_used_[v] || tile_.height[v] != tile_.measured[v])
+      if (!is_used_[v] || tile_.height[v] != tile_.embedded[v])
         problem("kept pits", "the vertex of a kept pit at " + at(v) + " was moved");
       for (const std::uint32_t w : graph.neighbors(v))
-        if (tile_.measured[w] < tile_.measured[v] || (tile_.measured[w] == tile_.measured[v] && !is_kept[w]))
+        if (tile_.embedded[w] < tile_.embedded[v] || (tile_.embedded[w] == tile_.embedded[v] && !is_kept[w]))
           problem("kept pits", "the vertex at " + at(v) + " is said to be of a kept pit, but water leaves it");
       is_outlet[v] = 1;
+    }
+  }
+
+  void check_rivers() {
+    std::vector<RiverEdge> river;
+    for (std::size_t i = 0; i < tile_.river_edge.size(); i += 2)
+      river.push_back({tile_.river_edge[i], tile_.river_edge[i + 1]});
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> side;
+    for (std::size_t h = 0; h < tile_.triangle.size() && !river.empty(); ++h)
+      side.push_back(std::minmax(tile_.triangle[h], tile_.triangle[h % 3 == 2 ? h - 2 : h + 1]));
+    std::sort(side.begin(), side.end());
+    for (const auto& [from, to] : river)
+      if (!std::binary_search(side.begin(), side.end(),
+                              std::pair<std::uint32_t, std::uint32_t>(std::minmax(from, to)))) {
+        problem("rivers", "the river edge from " + at(from) + " to " + at(to) + " is no edge of a triangle");
+        return;
+      }
+    const auto invalid = invalid_river_edges(tile_.position, tile_.height, tile_.triangle, river, index_.river_flow,
+                                             index_.river_valley);
+    for (const auto& [list, out] :
+         {std::pair<const std::vector<RiverEdge>*, decltype(&facts_.river)>{&river, &facts_.river},
+          {&invalid, &facts_.invalid_river}}) {
+      for (const auto& [from, to] : *list) out->emplace_back(tile_.id(from), tile_.id(to));
+      std::sort(out->begin(), out->end());
     }
   }
 

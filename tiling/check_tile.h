@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "dataset.h"
@@ -40,9 +41,10 @@ struct TileFacts {
   std::vector<PlacedEdge> open;  ///< edges without twin in this file
   std::vector<PlacedEdge> hull;  ///< those that the file puts on the hull
   std::vector<ForeignVertex> foreign;
-  PlateauSummary plateaus;          ///< of the final heights, kept pits apart
-  PlateauSummary before, unkept;    ///< of the heights as measured, where pits are kept: all, and without kept ones
-  std::vector<std::uint32_t> bins;  ///< [kSampleBins]
+  PlateauSummary plateaus;        ///< of the final heights, kept pits apart
+  PlateauSummary before, unkept;  ///< of the heights as measured, where pits are kept: all, and without kept ones
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> river, invalid_river;  ///< river edges: from, to; ascending
+  std::vector<std::uint32_t> bins;                                            ///< [kSampleBins]
 };
 
 /// A number of a triangle that depends on its coordinates only and is spread evenly: samples are those with small ones.

@@ -64,6 +64,24 @@ std::vector<PlacedEdge> chain_of(const std::vector<PlacedEdge>& edges) {
   return chain;
 }
 
+// Without the vertices that rivers added, which may lie a unit beside their hull edge.
+std::vector<PlacedEdge> without_new_vertices(const DatasetIndex& index, const std::vector<PlacedEdge>& chain) {
+  const auto is_new = [&](std::uint64_t point) { return PointId(point).tile() == index.num_tiles(); };
+  std::vector<PlacedEdge> out;
+  std::size_t first = 0;
+  while (first < chain.size() && is_new(chain[first].origin)) ++first;
+  for (std::size_t i = 0; i < chain.size() && first < chain.size(); ++i) {
+    const PlacedEdge& e = chain[(first + i) % chain.size()];
+    if (is_new(e.origin)) {
+      out.back().target = e.target;
+      out.back().to = e.to;
+    } else {
+      out.push_back(e);
+    }
+  }
+  return out;
+}
+
 // Turns left everywhere, and goes around once: it passes from leftward to rightward directions once.
 void check_convex(const DatasetIndex& index, const std::vector<PlacedEdge>& chain, Problems& problems) {
   int turns_to_right = 0;
@@ -100,6 +118,7 @@ void check_edges(const DatasetIndex& index, std::span<const TileFacts> facts, Pr
     num_triangles += index.triangles[t];
     num_vertices += index.count[t];
   }
+  num_vertices += index.new_position.size();
   std::sort(stated.begin(), stated.end());
   std::uint64_t on_hull = 0;
   for (const PlacedEdge& e : left) {
@@ -120,7 +139,7 @@ void check_edges(const DatasetIndex& index, std::span<const TileFacts> facts, Pr
                              std::to_string(chain.size()) + " of " + std::to_string(left.size()) + " boundary edges");
     return;
   }
-  check_convex(index, chain, problems);
+  check_convex(index, without_new_vertices(index, chain), problems);
   const Wide inside = twice_area_inside(chain);
   if (inside < 0 || static_cast<Area>(inside) != covered)
     problems.add("area", index.path +
@@ -164,6 +183,47 @@ void check_owner(const DatasetIndex& index, std::uint32_t owner, std::span<const
   }
 }
 
+void check_new_vertices(const DatasetIndex& index, std::span<const ForeignVertex> claims, Problems& problems) {
+  auto claim = claims.begin();
+  for (std::uint32_t i = 0; i < index.new_position.size(); ++i) {
+    const std::string where =
+        index.tile_path(index.num_tiles()) + ": the new vertex at " + index.place(index.new_position[i]);
+    if (claim == claims.end() || PointId(claim->point).index() != i)
+      problems.add("use of vertices", where + " is a vertex of no triangle");
+    for (const auto first = claim; claim != claims.end() && PointId(claim->point).index() == i; ++claim) {
+      if (claim->position != index.new_position[i] || claim->measured != index.new_height[i])
+        problems.add("foreign coordinates", where + " has other coordinates in " + index.tile_path(claim->tile));
+      if (claim->height != first->height)
+        problems.add("foreign heights", where + " has another height in " + index.tile_path(claim->tile));
+    }
+  }
+}
+
+void check_rivers(const DatasetIndex& index, std::span<const TileFacts> facts, std::uint64_t& num_edges,
+                  std::uint64_t& num_invalid, Problems& problems) {
+  using Edges = std::vector<std::pair<std::uint64_t, std::uint64_t>>;
+  const auto all = [&](Edges TileFacts::*list) {
+    Edges out;
+    for (const TileFacts& f : facts) out.insert(out.end(), (f.*list).begin(), (f.*list).end());
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+    return out;
+  };
+  num_edges = all(&TileFacts::river).size();
+  const Edges invalid = all(&TileFacts::invalid_river);
+  num_invalid = invalid.size();
+  if (num_edges != index.river_edges || num_invalid != index.invalid_river_edges)
+    problems.add("index", index.path + ": it states " + std::to_string(index.river_edges) + " river edges, " +
+                              std::to_string(index.invalid_river_edges) + " of them invalid, but there are " +
+                              std::to_string(num_edges) + " and " + std::to_string(num_invalid));
+  for (const auto& edge : invalid)
+    if (!std::binary_search(index.contradicted.begin(), index.contradicted.end(), edge))
+      problems.add("rivers", file_of(index, edge.first) + ": a river edge from point " +
+                                 std::to_string(PointId(edge.first).index()) +
+                                 " is invalid, though nothing speaks "
+                                 "against it");
+}
+
 void check_sums(const DatasetIndex& index, std::span<const TileFacts> facts, Problems& problems) {
   std::uint64_t vertices = 0, triangles = 0;
   Fingerprint fingerprint;
@@ -172,6 +232,7 @@ void check_sums(const DatasetIndex& index, std::span<const TileFacts> facts, Pro
     triangles += index.triangles[t];
     fingerprint.add(facts[t].fingerprint);
   }
+  vertices += index.new_position.size();
   const auto expect = [&](const std::string& what, std::uint64_t stated, std::uint64_t counted) {
     if (stated != counted)
       problems.add("index", index.path + ": it states " + std::to_string(stated) + " " + what + ", but there are " +
@@ -179,7 +240,7 @@ void check_sums(const DatasetIndex& index, std::span<const TileFacts> facts, Pro
   };
   expect("vertices", index.vertices, vertices);
   expect("triangles", index.num_triangles, triangles);
-  expect("points", index.points, index.vertices + index.removed + index.duplicates);
+  expect("points", index.points, index.vertices - index.new_position.size() + index.removed + index.duplicates);
   if (fingerprint.hex() != index.fingerprint)
     problems.add("fingerprint", index.path + ": the files have the fingerprint " + fingerprint.hex() + ", not " +
                                     index.fingerprint + " as it states");

@@ -28,4 +28,12 @@ void check_owner(const DatasetIndex& index, std::uint32_t owner, std::span<const
 /// Counts and fingerprint of the index against the files.
 void check_sums(const DatasetIndex& index, std::span<const TileFacts> facts, Problems& problems);
 
+/// Vertices that rivers added: each is used, and all files agree about it.
+/// @param claims  those of tile number num_tiles, ascending
+void check_new_vertices(const DatasetIndex& index, std::span<const ForeignVertex> claims, Problems& problems);
+
+/// River edges of all files together. An edge may be invalid only where the index knows of a contradiction.
+void check_rivers(const DatasetIndex& index, std::span<const TileFacts> facts, std::uint64_t& num_edges,
+                  std::uint64_t& num_invalid, Problems& problems);
+
 }  // namespace hydrotin

@@ -26,7 +26,8 @@ void read_foreign(const store::Reader& in, const DatasetIndex& index, TerrainTil
     contradicts(out.path, "its foreign points do not ascend");
   for (std::size_t i = 0; i < out.foreign.size(); ++i) {
     const PointId id(out.foreign[i]);
-    if (id.tile() == out.tile || id.tile() >= index.num_tiles() || id.index() >= index.count[id.tile()])
+    if (id.tile() == out.tile || id.tile() > index.num_tiles() ||
+        id.index() >= (id.tile() == index.num_tiles() ? index.new_position.size() : index.count[id.tile()]))
       contradicts(out.path, "foreign point " + std::to_string(i) + " is no point of another tile");
     out.position.push_back({xyz[3 * i], xyz[3 * i + 1]});
     out.measured.push_back(xyz[3 * i + 2]);
@@ -52,7 +53,7 @@ void read_the_rest(const store::Reader& in) {
 }  // namespace
 
 std::string DatasetIndex::tile_path(std::uint32_t tile) const {
-  return Layout(dir).terrain(tile);
+  return tile == num_tiles() ? Layout(dir).rivers() : Layout(dir).terrain(tile);
 }
 
 std::string DatasetIndex::place(LatticePoint p) const {
@@ -60,6 +61,48 @@ std::string DatasetIndex::place(LatticePoint p) const {
   std::snprintf(text, sizeof text, "(%.3f, %.3f)", lattice.x(p.x), lattice.y(p.y));
   return text;
 }
+
+namespace {
+
+// What the index and terrain/rivers.h5 say of rivers.
+void read_rivers(const store::Reader& index, DatasetIndex& out) {
+  out.river_edges = static_cast<std::uint64_t>(index.integer("river_edges"));
+  out.invalid_river_edges = static_cast<std::uint64_t>(index.integer("invalid_river_edges"));
+  out.river_flow = index.integer("river_flow") != 0;
+  out.river_valley = index.integer("river_valley") != 0;
+  const store::Reader in(Layout(out.dir).rivers());
+  const auto xyz = in.read<std::int32_t>("new_xyz");
+  const auto edge = in.read<std::uint64_t>("contradicted_edge");
+  if (xyz.size() % 3 != 0 || edge.size() % 2 != 0) contradicts(in.path(), "its arrays are cut");
+  for (std::size_t i = 0; i < xyz.size(); i += 3) {
+    out.new_position.push_back({xyz[i], xyz[i + 1]});
+    out.new_height.push_back(xyz[i + 2]);
+  }
+  for (std::size_t i = 0; i < edge.size(); i += 2) out.contradicted.emplace_back(edge[i], edge[i + 1]);
+  if (!std::is_sorted(out.contradicted.begin(), out.contradicted.end()))
+    contradicts(in.path(), "its river edges do not ascend");
+}
+
+// The arrays of rivers in a terrain file.
+void read_river_arrays(const store::Reader& in, TerrainTile& out) {
+  out.embedded = out.measured;
+  if (!in.has("river_moved")) return;
+  const auto moved = in.read<std::uint32_t>("river_moved");
+  const auto height = in.read<std::int32_t>("river_height");
+  out.river_edge = in.read<std::uint32_t>("river_edge");
+  out.added_triangle = in.read<std::uint32_t>("added_triangle");
+  static_cast<void>(in.read<std::uint32_t>("invalid_river_edge"));
+  const auto is_beyond = [&](std::uint32_t v) { return v >= out.num_vertices(); };
+  if (moved.size() != height.size() || out.river_edge.size() % 2 != 0 ||
+      std::any_of(moved.begin(), moved.end(), is_beyond) ||
+      std::any_of(out.river_edge.begin(), out.river_edge.end(), is_beyond) ||
+      !std::is_sorted(out.added_triangle.begin(), out.added_triangle.end()) ||
+      (!out.added_triangle.empty() && out.added_triangle.back() >= out.triangle.size() / 3))
+    contradicts(out.path, "its arrays of rivers contradict each other");
+  for (std::size_t i = 0; i < moved.size(); ++i) out.embedded[moved[i]] = height[i];
+}
+
+}  // namespace
 
 DatasetIndex load_index(const std::string& dir) {
   DatasetIndex out;
@@ -99,6 +142,7 @@ DatasetIndex load_index(const std::string& dir) {
   if (!fits) contradicts(out.path, "its lists of tiles contradict each other");
   if (out.outlets != "hull" && out.outlets != "lowest" && out.outlets != "layer" && out.outlets != "none")
     contradicts(out.path, "the outlets '" + out.outlets + "' are not known");
+  if (in.has_attribute("river_edges")) read_rivers(in, out);
   return out;
 }
 
@@ -134,6 +178,7 @@ TerrainTile load_terrain_tile(const DatasetIndex& index, std::uint32_t tile) {
     if (std::any_of(list->begin(), list->end(), [&](std::uint32_t v) { return v >= out.num_vertices(); }))
       contradicts(out.path, std::string("the array '") + name + "' refers to a vertex that is not listed");
   }
+  read_river_arrays(in, out);
   out.fingerprint = in.text("fingerprint");
   if (in.has_attribute("pit_method")) out.pit_method = in.text("pit_method");
   out.outlets = in.text("outlets");

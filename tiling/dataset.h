@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "block_index.h"
@@ -32,6 +33,11 @@ struct DatasetIndex {
   std::string outlets;          ///< hull, lowest, layer, or none where pits were left
   std::uint64_t pits_kept = 0;  ///< on purpose
   PointId lowest;
+  std::uint64_t river_edges = 0, invalid_river_edges = 0;
+  bool river_flow = true, river_valley = true;  ///< what makes a river edge valid
+  std::vector<LatticePoint> new_position;       ///< vertices that rivers added: points of tile number num_tiles
+  std::vector<std::int32_t> new_height;         ///< interpolated
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> contradicted;  ///< river edges that no heights make valid
 
   [[nodiscard]] std::uint32_t num_tiles() const { return static_cast<std::uint32_t>(count.size()); }
   [[nodiscard]] std::string tile_path(std::uint32_t tile) const;
@@ -52,6 +58,9 @@ struct TerrainTile {
   std::vector<std::uint32_t> triangle;   ///< [3T] below n
   std::vector<std::uint64_t> hull_edge;  ///< [2H]
   std::vector<LatticeBox> block_box, triangle_box;
+  std::vector<std::int32_t> embedded;                     ///< [n] as measured, or as the rivers left it
+  std::vector<std::uint32_t> river_edge;                  ///< [2R] below n: from, to
+  std::vector<std::uint32_t> added_triangle;              ///< ascending, below T
   std::vector<std::uint32_t> outlet_vertex, kept_vertex;  ///< below n: water may leave; vertices of kept pits
   std::string fingerprint, outlets, pit_method;
   bool pits_removed = false;

@@ -50,7 +50,7 @@ RimFacts write_slices(const RunContext& context, const RimLevels& levels, store:
     if (height.size() != rim.size() || has_lower.size() != rim.size() || is_outlet.size() != rim.size())
       throw Error(ErrorKind::storage, in.path() + ": its rim arrays differ in length; delete the file and run again");
     for (const std::uint64_t id : rim)
-      if (PointId(id).tile() >= context.plan.num_tiles())
+      if (PointId(id).tile() >= context.plan.num_tiles() + (context.rivers ? 1u : 0u))
         throw Error(ErrorKind::storage,
                     in.path() + ": a rim vertex is of a tile that does not exist; delete the file and run again");
     std::vector<std::int32_t> slice(rim.size());
@@ -81,9 +81,10 @@ RimFacts write_slices(const RunContext& context, const RimLevels& levels, store:
     }
     out.append("rim_outlet", slice, "1: an outlet, for each entry of the tile's `rim`");
   }
-  std::vector<std::uint64_t> rim_minima(context.plan.num_tiles());
+  std::vector<std::uint64_t> rim_minima(context.plan.num_tiles() + 1);  // the last ones of new vertices of rivers
   for (std::size_t v = 0; v < levels.vertex.size(); ++v)
     rim_minima[PointId(levels.vertex[v]).tile()] += !facts.has_lower[v];
+  rim_minima.pop_back();
   out.append("rim_minima", rim_minima, "rim vertices without a lower neighbour, by the tile that owns them");
   out.append("rim_begin", begin, "offsets of the tiles into rim_level, one more than tiles");
   return facts;

@@ -10,6 +10,8 @@
 #include "phases.h"
 #include "pit_options.h"
 #include "reduced_store.h"
+#include "river_edges.h"
+#include "river_store.h"
 #include "settled_heights.h"
 #include "surface.h"
 #include "terrain_file.h"
@@ -78,7 +80,7 @@ void write_vertices(store::Writer& out, const Part& part, std::span<const std::i
              "stands in another tile's foreign list");
   std::vector<std::int32_t> xyz;
   for (std::uint32_t v = part.num_own; v < part.num_vertices(); ++v)
-    xyz.insert(xyz.end(), {part.position[v].x, part.position[v].y, part.height[v]});
+    xyz.insert(xyz.end(), {part.position[v].x, part.position[v].y, part.measured[v]});
   out.append("foreign_point", std::span<const std::uint64_t>(part.point).subspan(part.num_own),
              "points of other tiles in this tile's triangles: tile << 32 | index, ascending");
   out.append("foreign_xyz", xyz, "lattice; z as measured");
@@ -98,16 +100,41 @@ void write_removed(const RunContext& context, std::uint32_t tile, store::Writer&
   write_points(out, removed.position, removed.height, kRemoved);
 }
 
-void write_triangles(store::Writer& out, const Part& part) {
+using PointTriangle = std::array<std::uint64_t, 3>;
+
+PointTriangle canonical(PointTriangle t) {
+  std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+  return t;
+}
+
+// Triangles of the tile that came with the rivers.
+std::vector<PointTriangle> added_triangles(const RunContext& context, std::uint32_t tile) {
+  std::vector<PointTriangle> out;
+  if (!context.rivers) return out;
+  const RiverNetwork& network = context.rivers->network;
+  const auto [first, last] = items_of(network.come, tile);
+  for (auto at = first; at != last; ++at)
+    out.push_back(
+        canonical({network.point[at->vertex[0]], network.point[at->vertex[1]], network.point[at->vertex[2]]}));
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+void write_triangles(const RunContext& context, std::uint32_t tile, store::Writer& out, const Part& part) {
+  const std::vector<PointTriangle> added = added_triangles(context, tile);
+  std::vector<std::uint32_t> added_number;
   std::vector<std::uint32_t> triangle;
   triangle.reserve(part.triangle.size());
   std::vector<LatticeBox> box((part.num_triangles() + kRunTriangles - 1) / kRunTriangles);
   for (const std::uint32_t t : storage_order(part)) {
+    const std::uint32_t* v = &part.triangle[3 * std::size_t{t}];
+    if (!added.empty() && std::binary_search(added.begin(), added.end(),
+                                             canonical({part.point[v[0]], part.point[v[1]], part.point[v[2]]})))
+      added_number.push_back(static_cast<std::uint32_t>(triangle.size() / 3));
     LatticeBox& run = box[triangle.size() / (std::size_t{3} * kRunTriangles)];
     for (std::size_t i = 0; i < 3; ++i) {
-      const std::uint32_t v = part.triangle[3 * std::size_t{t} + i];
-      run.extend(part.position[v]);
-      triangle.push_back(reference(part, v));
+      run.extend(part.position[v[i]]);
+      triangle.push_back(reference(part, v[i]));
     }
   }
   out.append(
@@ -115,6 +142,8 @@ void write_triangles(store::Writer& out, const Part& part) {
       "vertices of the triangles, counter-clockwise: own points by index, then, from the number of own points on, "
       "entries of foreign_point");
   out.append("triangle_box", flatten(box), "boxes of runs of 1024 triangles: min x, min y, max x, max y, lattice");
+  if (context.rivers)
+    out.append("added_triangle", added_number, "triangles that came with the rivers: no promise on their order");
   std::vector<std::uint64_t> hull;
   for (const DirectedEdge& e : part.hull_edge) hull.insert(hull.end(), {part.point[e.origin], part.point[e.target]});
   out.append("hull_edge", hull, "origins and targets of edges on the convex hull, the terrain on their left");
@@ -124,7 +153,8 @@ void write_triangles(store::Writer& out, const Part& part) {
 void write_outlets(const RunContext& context, std::uint32_t tile, const Part& part,
                    std::span<const std::uint8_t> is_outlet, store::Writer& out) {
   const PitOptions& pits = context.options.pits;
-  const bool stated = pits.outlets == OutletPolicy::layer || pits.voids_drain;
+  const bool stated =
+      pits.outlets == OutletPolicy::layer || pits.voids_drain || (context.rivers && !context.rivers->outlet.empty());
   const std::vector<std::uint8_t> is_kept = kept_flags(context, tile, part);
   std::vector<std::uint32_t> outlet, kept;
   for (std::uint32_t v = 0; v < part.num_vertices(); ++v) {
@@ -152,6 +182,44 @@ void write_pits_before(const RunContext& context, std::uint32_t tile, const Part
   out.append("pit_xyz", xyz, "pits before lifting inside this part: smallest vertex by (x, y), and height, lattice");
   out.append("pit_level", pit_level, "z lattice: where the pit overflows");
   out.append("pit_vertices", vertices, "vertices of the plateau");
+}
+
+// What rivers made of the part: heights as they left them, and their edges.
+void write_rivers(const RunContext& context, const Part& part, std::span<const std::int32_t> height,
+                  store::Writer& out) {
+  if (!context.rivers) return;
+  std::vector<std::uint32_t> moved, edge, invalid;
+  std::vector<std::int32_t> moved_height;
+  std::vector<std::uint8_t> is_way(part.num_vertices(), 0);
+  for (std::uint32_t v = 0; v < part.num_vertices(); ++v) {
+    const auto bound = context.rivers->bound.find(part.point[v]);
+    is_way[v] = bound != context.rivers->bound.end() && bound->second.is_way ? 1 : 0;
+    if (part.height[v] == part.measured[v]) continue;
+    moved.push_back(reference(part, v));
+    moved_height.push_back(part.height[v]);
+  }
+  std::vector<RiverEdge> river;
+  const auto& edges = context.rivers->edge;
+  for (std::size_t t = 0; t < part.triangle.size(); t += 3)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t a = part.triangle[t + i], b = part.triangle[t + (i + 1) % 3];
+      if (is_way[a] == 0 || is_way[b] == 0) continue;
+      if (std::binary_search(edges.begin(), edges.end(), std::pair(part.point[a], part.point[b])))
+        river.push_back({a, b});
+      if (std::binary_search(edges.begin(), edges.end(), std::pair(part.point[b], part.point[a])))
+        river.push_back({b, a});
+    }
+  std::sort(river.begin(), river.end());
+  river.erase(std::unique(river.begin(), river.end()), river.end());
+  const RiverConstraints& rows = context.options.rivers.constraints;
+  for (const auto& [from, to] : river) edge.insert(edge.end(), {reference(part, from), reference(part, to)});
+  for (const auto& [from, to] :
+       invalid_river_edges(part.position, height, part.triangle, river, rows.flow, rows.valley))
+    invalid.insert(invalid.end(), {reference(part, from), reference(part, to)});
+  out.append("river_moved", moved, "vertices that the rivers moved, numbered as in `triangle`");
+  out.append("river_height", moved_height, "z lattice: their heights before pits were removed");
+  out.append("river_edge", edge, "river edges of these triangles: from, to; numbered as in `triangle`");
+  out.append("invalid_river_edge", invalid, "those of them along which water climbs, or that are no valleys");
 }
 
 void set_figures(const RunContext& context, const Part& part, std::span<const std::int32_t> height,
@@ -195,9 +263,10 @@ void finish_tile(const RunContext& context, std::uint32_t tile) {
   write_lattice(out, context.plan.lattice);
   write_vertices(out, part, height);
   write_removed(context, tile, out);
-  write_triangles(out, part);
+  write_triangles(context, tile, out, part);
   write_pits_before(context, tile, part, level, out);
   write_outlets(context, tile, part, is_outlet, out);
+  write_rivers(context, part, height, out);
   set_figures(context, part, height, is_outlet, out);
   out.commit();
 }

@@ -24,6 +24,7 @@ class Layout {
   [[nodiscard]] std::string unit(Phase phase, std::uint64_t unit) const;
   [[nodiscard]] std::string terrain(std::uint64_t tile) const;
   [[nodiscard]] std::string index() const { return out_ + "/terrain/index.h5"; }
+  [[nodiscard]] std::string rivers() const { return out_ + "/terrain/rivers.h5"; }
   [[nodiscard]] std::string mesh(std::uint64_t tile) const;
   [[nodiscard]] std::string dem_tile(std::uint64_t tile) const;
   [[nodiscard]] std::string change_tile(std::uint64_t tile) const;
@@ -31,6 +32,7 @@ class Layout {
   [[nodiscard]] std::string dem() const { return out_ + "/dem.tif"; }
   [[nodiscard]] std::string hillshade() const { return out_ + "/hillshade.png"; }
   [[nodiscard]] std::string layers() const { return out_ + "/layers.gpkg"; }
+  [[nodiscard]] std::string profiles() const { return out_ + "/profiles"; }
   [[nodiscard]] std::string pits_csv() const { return out_ + "/pits.csv"; }
   [[nodiscard]] std::string report_json() const { return out_ + "/report.json"; }
   [[nodiscard]] std::string report_text() const { return out_ + "/report.txt"; }

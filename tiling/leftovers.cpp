@@ -1,5 +1,6 @@
 #include "leftovers.h"
 
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <optional>
@@ -49,6 +50,7 @@ void remove_leftovers(const RunContext& context) {
   const OutputOptions& wanted = context.options.output;
   const std::uint64_t tiles = context.plan.num_tiles();
   remove_tiles_from(fs::path(layout.terrain(0)).parent_path(), tiles);
+  if (!context.has_rivers()) remove_leftover(layout.rivers());
   remove_tiles_from(fs::path(layout.mesh(0)).parent_path(), wanted.mesh_ply ? tiles : 0);
   const fs::path dem_folder = fs::path(layout.dem_tile(0)).parent_path();
   remove_tiles_from(dem_folder, wanted.dem.enabled ? tiles : 0);
@@ -65,6 +67,16 @@ void remove_leftovers(const RunContext& context) {
   remove_leftover(layout.hillshade());
   remove_leftover(layout.hillshade() + ".aux.xml");
   remove_leftover(fs::path(layout.hillshade()).replace_extension(".wld"));
+}
+
+void remove_other_profiles(const RunContext& context, const std::vector<std::string>& made) {
+  std::vector<fs::path> leftover;
+  std::error_code absent;
+  for (fs::directory_iterator at(context.layout.profiles(), absent), end; !absent && at != end; at.increment(absent))
+    if (at->path().extension() == ".svg" && std::find(made.begin(), made.end(), at->path().string()) == made.end())
+      leftover.push_back(at->path());
+  for (const fs::path& path : leftover) remove_leftover(path);
+  if (made.empty()) fs::remove(context.layout.profiles(), absent);  // only if nothing else lies there
 }
 
 }  // namespace hydrotin

@@ -18,4 +18,7 @@ void remove_leftover(const std::filesystem::path& path);
 /// Removes files with names of ours that the run does not write. Other files are left alone.
 void remove_leftovers(const RunContext& context);
 
+/// Removes pictures in the folder of profiles that are none of these; without rivers the folder goes if it is empty.
+void remove_other_profiles(const RunContext& context, const std::vector<std::string>& made);
+
 }  // namespace hydrotin

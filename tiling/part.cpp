@@ -11,6 +11,7 @@
 #include "hydrotin/predicates.h"
 #include "hydrotin/rasterize.h"
 #include "mend.h"
+#include "river_store.h"
 #include "store.h"
 
 namespace hydrotin {
@@ -79,6 +80,40 @@ TriangleFile read_triangles(const RunContext& context, Phase phase, std::uint32_
   return file;
 }
 
+// The triangles that come with the rivers.
+TriangleFile added_triangles(const RunContext& context, std::uint32_t tile) {
+  const RiverNetwork& network = context.rivers->network;
+  TriangleFile file{context.layout.unit(Phase::match, 0), {}, 0, {}, {}};
+  std::vector<std::uint32_t> used;
+  const auto [first, last] = items_of(network.come, tile);
+  for (auto at = first; at != last; ++at) used.insert(used.end(), at->vertex.begin(), at->vertex.end());
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  for (const std::uint32_t v : used) file.listed.push_back({network.point[v], network.position[v], network.height[v]});
+  for (auto at = first; at != last; ++at)
+    for (const std::uint32_t v : at->vertex)
+      file.triangle.push_back(static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), v) - used.begin()));
+  const auto [hull_first, hull_last] = items_of(network.hull_come, tile);
+  for (auto at = hull_first; at != hull_last; ++at)
+    for (const std::uint32_t v : at->vertex) file.hull_edge.push_back(network.point[v]);
+  return file;
+}
+
+// Takes out the hull edges that go with the rivers.
+void remove_hull_edges(const RunContext& context, std::uint32_t tile, TriangleFile& file) {
+  const RiverNetwork& network = context.rivers->network;
+  const auto [first, last] = items_of(network.hull_gone, tile);
+  for (auto at = first; at != last; ++at)
+    for (std::size_t i = 0; i + 1 < file.hull_edge.size();) {
+      if (file.hull_edge[i] != network.point[at->vertex[0]] || file.hull_edge[i + 1] != network.point[at->vertex[1]]) {
+        i += 2;
+        continue;
+      }
+      file.hull_edge.erase(file.hull_edge.begin() + static_cast<std::ptrdiff_t>(i),
+                           file.hull_edge.begin() + static_cast<std::ptrdiff_t>(i + 2));
+    }
+}
+
 // Points numbered: own points by index, foreign ones after them by ascending id.
 class Numbering {
  public:
@@ -136,6 +171,51 @@ std::vector<std::uint32_t> numbered(std::span<const TriangleFile> files, const N
     throw Error(ErrorKind::resource,
                 files.front().path + ": too many triangles in one tile; lower tiles.target_points");
   return out;
+}
+
+// Takes out the triangles that go with the rivers.
+void remove_gone(const RunContext& context, std::uint32_t tile, const Numbering& numbering,
+                 std::vector<std::uint32_t>& triangle) {
+  using Corners = std::array<std::uint32_t, 3>;
+  const auto canonical = [](Corners t) {
+    std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+    return t;
+  };
+  const RiverNetwork& network = context.rivers->network;
+  const auto [first, last] = items_of(network.gone, tile);
+  std::vector<Corners> gone;
+  for (auto at = first; at != last; ++at)
+    gone.push_back(canonical({numbering.of(network.point[at->vertex[0]]), numbering.of(network.point[at->vertex[1]]),
+                              numbering.of(network.point[at->vertex[2]])}));
+  std::sort(gone.begin(), gone.end());
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < triangle.size(); t += 3) {
+    if (std::binary_search(gone.begin(), gone.end(), canonical({triangle[t], triangle[t + 1], triangle[t + 2]})))
+      continue;
+    std::copy_n(triangle.begin() + static_cast<std::ptrdiff_t>(t), 3,
+                triangle.begin() + static_cast<std::ptrdiff_t>(kept));
+    kept += 3;
+  }
+  if (triangle.size() - kept != 3 * gone.size())
+    contradicts(context.layout.unit(Phase::match, 0), "a triangle that was to be replaced is not there");
+  triangle.resize(kept);
+}
+
+// The heights that rivers gave to vertices of the part.
+void take_heights(const RunContext& context, Part& part) {
+  const auto& moved = context.rivers->moved;
+  const auto begin = [&](std::uint64_t point) {
+    return std::lower_bound(moved.begin(), moved.end(), std::pair(point, std::numeric_limits<std::int32_t>::min()));
+  };
+  // Both the tile's own points and all others ascend: each run is walked through together with the list.
+  for (const auto& [from, until] : {std::pair{std::uint32_t{0}, part.num_own}, {part.num_own, part.num_vertices()}}) {
+    if (from == until) continue;
+    auto at = begin(part.point[from]);
+    for (std::uint32_t v = from; v < until && at != moved.end(); ++v) {
+      if (at->first < part.point[v]) at = begin(part.point[v]);
+      if (at != moved.end() && at->first == part.point[v]) part.height[v] = at->second;
+    }
+  }
 }
 
 // Keeps the numbers that triangles use, in their order; `triangle` then holds vertices.
@@ -247,17 +327,41 @@ Part load_part(const RunContext& context, std::uint32_t tile) {
   part.own = read_points(arranged, 0, count);
   const auto num_own = static_cast<std::uint32_t>(count);
   {
-    const std::array files{read_triangles(context, Phase::triangulate, tile, num_own),
-                           read_triangles(context, Phase::seam, tile, num_own)};
+    std::vector<TriangleFile> files;
+    files.push_back(read_triangles(context, Phase::triangulate, tile, num_own));
+    files.push_back(read_triangles(context, Phase::seam, tile, num_own));
+    if (context.rivers)
+      for (TriangleFile& file : files) remove_hull_edges(context, tile, file);
+    const std::size_t num_first = files[0].triangle.size() + files[1].triangle.size();
+    if (context.rivers) files.push_back(added_triangles(context, tile));
     const Numbering numbering(tile, part.own, files);
-    keep_used(numbered(files, numbering), numbering, part);
+    std::vector<std::uint32_t> triangle = numbered(files, numbering);
+    if (context.rivers) {
+      std::vector<std::uint32_t> come(triangle.begin() + static_cast<std::ptrdiff_t>(num_first), triangle.end());
+      triangle.resize(num_first);
+      remove_gone(context, tile, numbering, triangle);
+      triangle.insert(triangle.end(), come.begin(), come.end());
+    }
+    keep_used(std::move(triangle), numbering, part);
     check_orientation(part, files[0].path);
     put_in_order(part.triangle, part.num_vertices());
     part.graph = make_vertex_graph(part.num_vertices(), part.triangle);
     mark_hull(files, part);
   }
   mark_rim(part);
+  part.measured = part.height;
+  if (context.rivers) take_heights(context, part);
   return part;
+}
+
+std::vector<std::uint8_t> has_lower_neighbor(const Part& part) {
+  const auto key = [&](std::uint32_t v) { return std::tie(part.height[v], part.position[v]); };
+  std::vector<std::uint8_t> flag(part.num_vertices());
+  for (std::uint32_t v = 0; v < flag.size(); ++v) {
+    const auto neighbors = part.graph.neighbors(v);
+    flag[v] = std::any_of(neighbors.begin(), neighbors.end(), [&](std::uint32_t w) { return key(w) < key(v); });
+  }
+  return flag;
 }
 
 std::vector<std::uint8_t> outlet_flags(const RunContext& context, const Part& part) {
@@ -267,10 +371,13 @@ std::vector<std::uint8_t> outlet_flags(const RunContext& context, const Part& pa
   if (pits.outlets == OutletPolicy::lowest)
     if (const auto lowest = part.find(context.outline.lowest.point)) flag[*lowest] = 1;
   if (pits.outlets == OutletPolicy::layer)
-    context.places->outlets.mark(part.position, part.height, part.triangle, flag);
+    context.places->outlets.mark(part.position, part.measured, part.triangle, flag);
   if (pits.voids_drain)
     mark_void_corners(part.position, part.triangle,
                       squared_edge_limit(pits.void_edge_m / context.plan.metres_per_unit, context.plan.lattice), flag);
+  if (context.rivers)
+    for (const std::uint64_t point : context.rivers->outlet)
+      if (const auto v = part.find(PointId(point))) flag[*v] = 1;
   return flag;
 }
 

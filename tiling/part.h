@@ -18,7 +18,8 @@
 /// Symbols  n = vertices of the part, T = triangles, H = its hull edges, F = its foreign vertices.
 /// Properties
 ///   (1) A vertex that two parts have is on the rim of both.
-///   (2) The arrays depend on the set of triangles only, not on their order in the files.
+///   (2) New vertices of rivers are points of a tile of their own, after all others.
+///   (3) The arrays depend on the set of triangles only, not on their order in the files.
 /// Threads  Pure but for reading files.
 
 namespace hydrotin {
@@ -28,7 +29,8 @@ struct Part {
   std::uint32_t num_own = 0;            ///< vertices 0 .. num_own are the tile's own points
   std::vector<std::uint64_t> point;     ///< [n] PointId values: own ones ascending, then foreign ones ascending
   std::vector<LatticePoint> position;   ///< [n]
-  std::vector<std::int32_t> height;     ///< [n] as measured
+  std::vector<std::int32_t> measured;   ///< [n]
+  std::vector<std::int32_t> height;     ///< [n] as measured, but where rivers were embedded: as they left it
   std::vector<std::uint32_t> triangle;  ///< [3T] counter-clockwise, smallest vertex first, ascending
   std::vector<DirectedEdge> hull_edge;  ///< [H] ascending
   std::vector<std::uint8_t> is_hull;    ///< [n] nonzero: end of a hull edge of this part
@@ -46,10 +48,14 @@ struct Part {
   [[nodiscard]] std::vector<std::uint32_t> rim() const;
 };
 
-/// Reads a part from the outputs of `arrange`, `triangulate`, `seam` and `mend`.
+/// Reads a part from the outputs of `arrange`, `triangulate`, `seam` and `mend`; if the context has rivers, with the
+/// triangles and heights that these changed.
 /// Complexity: O(n log F + T).
 /// Fails: Error(storage) naming the file if anything in it is out of range or contradicts another array.
 [[nodiscard]] Part load_part(const RunContext& context, std::uint32_t tile);
+
+/// [n] nonzero where a neighbour of the part is lower by (z, x, y).
+[[nodiscard]] std::vector<std::uint8_t> has_lower_neighbor(const Part& part);
 
 /// [n] nonzero where water may leave by the policy of the options. A vertex of several parts may have its flag in some
 /// of them only: the flags of all parts together count, as the reduced trees and the plateau summaries take them.

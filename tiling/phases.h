@@ -23,6 +23,11 @@
 
 namespace hydrotin {
 
+struct RiverInput;
+struct EmbeddedRivers;
+/// Of all that matters in the files, for recipes.
+[[nodiscard]] std::string hash_of(const RiverInput& input);
+
 /// What every unit knows.
 struct RunContext {
   PipelineOptions options;
@@ -45,8 +50,16 @@ struct RunContext {
 
   std::shared_ptr<const PitPlaces> places = std::make_shared<PitPlaces>();  ///< layers of the pit options
 
+  [[nodiscard]] bool has_rivers() const { return options.rivers.are_given(); }
+  std::shared_ptr<const RiverInput> river_input{};  ///< the files of rivers and lakes; null without rivers
+  std::shared_ptr<const EmbeddedRivers> rivers{};   ///< what they made of the terrain: from phase `unite` on
+
   [[nodiscard]] std::string recipe(Phase phase) const {
-    return hydrotin::recipe(plan.recipe + (phase >= Phase::nest ? places->hash : ""), options, phase);
+    // Outlets count where rivers end, too.
+    const bool with_places = phase >= (has_rivers() ? Phase::lay : Phase::nest);
+    const bool with_rivers = has_rivers() && phase >= Phase::lay;
+    return hydrotin::recipe(
+        plan.recipe + (with_places ? places->hash : "") + (with_rivers ? hash_of(*river_input) : ""), options, phase);
   }
 };
 
@@ -59,6 +72,10 @@ void triangulate_tile(const RunContext& context, std::uint32_t tile);
 void join_pieces(const RunContext& context);
 void solve_seams(const RunContext& context, std::uint32_t tile);
 void mend_minima(const RunContext& context);
+void lay_tile(const RunContext& context, std::uint32_t tile);
+void match_rivers(const RunContext& context);
+void embed_groups(const RunContext& context, std::uint32_t tile);
+void unite_groups(const RunContext& context);
 void nest_pools(const RunContext& context, std::uint32_t tile);
 void rank_pools_of_all(const RunContext& context);
 void weigh_pools_of(const RunContext& context, std::uint32_t tile);

@@ -6,6 +6,8 @@
 #include <sstream>
 
 #include "report.h"
+#include "river_input.h"
+#include "river_store.h"
 #include "schedule.h"
 #include "store.h"
 
@@ -68,6 +70,7 @@ RunContext plan_context(const PipelineOptions& given) {
   check(options);
   RunContext context{options, Layout(options), make_plan(options), {}, {}};
   context.places = load_pit_places(options.pits, context.plan);
+  context.river_input = load_river_input(options.rivers, context.plan);
   return context;
 }
 
@@ -78,6 +81,7 @@ RunContext stored_context(const PipelineOptions& given) {
   RunContext context{options, Layout(options), {}, {}, {}};
   context.plan = load_plan(context.layout.unit(Phase::plan, 0));
   context.places = load_pit_places(options.pits, context.plan);
+  context.river_input = load_river_input(options.rivers, context.plan);
   return context;
 }
 
@@ -180,6 +184,7 @@ DatasetSummary run_pipeline(const PipelineOptions& options, const RunControl& co
     run_units(context, phase, 0, 1, control.overwrite, progress);
     if (phase == Phase::survey) load_survey_into(context);
     if (phase == Phase::outline) load_outline_into(context);
+    if (phase == Phase::unite) context.rivers = load_embedded_rivers(context);
   }
   if (control.until != Phase::report) return {};
   remove_scratch(context);
@@ -193,6 +198,7 @@ void run_phase(const PipelineOptions& options, Phase phase, std::uint64_t task, 
   RunContext context = phase == Phase::plan ? plan_context(options) : stored_context(options);
   if (phase > Phase::survey && context.thins()) load_survey_into(context);
   if (phase > Phase::outline) load_outline_into(context);
+  if (phase > Phase::unite && context.has_rivers()) context.rivers = load_embedded_rivers(context);
   run_units(context, phase, task, of, false, progress);
 }
 

@@ -21,6 +21,7 @@ class ChangeableSurface {
     terrain_ = {&surface.graph, surface.height, surface.position, surface.is_outlet, {}, {}, {}};
     set_weights(context, surface.triangle);
     set_bounds(context);
+    if (context.rivers) keep_rivers(context, surface.point, surface.level);
   }
   ChangeableSurface(const ChangeableSurface&) = delete;
   ChangeableSurface& operator=(const ChangeableSurface&) = delete;
@@ -32,6 +33,8 @@ class ChangeableSurface {
  private:
   void set_weights(const RunContext& context, std::span<const std::uint32_t> triangle);
   void set_bounds(const RunContext& context);
+  void keep_rivers(const RunContext& context, std::span<const std::uint64_t> point,
+                   std::span<const std::int32_t> level);
 
   ChangeableTerrain terrain_;
   std::vector<std::int64_t> star_;

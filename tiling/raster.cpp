@@ -46,7 +46,7 @@ struct RasterCount {
   std::int64_t cells = 0, with_height = 0;
 };
 
-// The triangles that pit removal moved, at the heights of the change: 0 where the lattice says 0.
+// The triangles that rivers and pit removal moved, at the heights of the change: 0 where the lattice says 0.
 void keep_changed(TrianglePatch& patch) {
   for (std::size_t v = 0; v < patch.height.size(); ++v) patch.height[v] -= patch.measured[v];
   keep_changed_triangles(patch.height, patch.triangle);
@@ -124,7 +124,8 @@ RasterCount write_raster(const RunContext& context, std::uint32_t tile, RasterKi
 }  // namespace
 
 bool wants_change_raster(const PipelineOptions& options) {
-  return options.output.dem.enabled && options.output.dem.change && options.pits.method != PitMethod::none;
+  return options.output.dem.enabled && options.output.dem.change &&
+         (options.pits.method != PitMethod::none || options.rivers.are_given());
 }
 
 void rasterize_tile(const RunContext& context, std::uint32_t tile) {

@@ -22,6 +22,31 @@ std::string RecipeHash::hex() const {
   return text;
 }
 
+namespace {
+
+void add_rivers(const RiverOptions& rivers, RecipeHash& hash) {
+  const RiverConstraints& c = rivers.constraints;
+  hash.add(std::int64_t{rivers.matching.insert})
+      .add(static_cast<std::int64_t>(rivers.matching.direction))
+      .add(std::int64_t{rivers.use_z})
+      .add(rivers.name_field)
+      .add(std::int64_t{c.flow})
+      .add(std::int64_t{c.valley})
+      .add(static_cast<std::int64_t>(c.decline_measure))
+      .add(c.decline)
+      .add(c.side_slope)
+      .add(std::int64_t{c.limit_edge_slope})
+      .add(c.edge_slope_change)
+      .add(static_cast<std::int64_t>(c.directions.size()))
+      .add(c.triangle_slope_change)
+      .add(static_cast<std::int64_t>(c.contiguity))
+      .add(std::int64_t{c.imaginary_points})
+      .add(std::int64_t{c.river_only})
+      .add(c.max_change);
+}
+
+}  // namespace
+
 std::string recipe(const std::string& plan_recipe, const PipelineOptions& options, Phase phase) {
   constexpr std::int64_t kFormat = 4;
   RecipeHash hash;
@@ -39,7 +64,8 @@ std::string recipe(const std::string& plan_recipe, const PipelineOptions& option
     for (const std::uint32_t most : {budget.max_triangles, budget.max_ways, budget.max_program, budget.max_branches})
       hash.add(std::int64_t{most});
   const PitOptions& pits = options.pits;
-  if (phase >= Phase::nest)
+  if (options.rivers.are_given() && phase >= Phase::lay) add_rivers(options.rivers, hash);
+  if (phase >= (options.rivers.are_given() ? Phase::lay : Phase::nest))
     hash.add(static_cast<std::int64_t>(pits.outlets))
         .add(pits.outlet_layer)
         .add(std::int64_t{pits.voids_drain})

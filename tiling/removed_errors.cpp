@@ -93,6 +93,7 @@ class PointGrid {
 
 struct Distances {
   VerticalDistance measured, final;
+  bool is_promised = true;  // not of a triangle that came with rivers
 };
 
 class Measurement {
@@ -114,7 +115,7 @@ class Measurement {
           return vertical_distance({p[0], z[v[0]]}, {p[1], z[v[1]]}, {p[2], z[v[2]]}, points_.position[i],
                                    points_.height[i]);
         };
-        const Distances at{distance(patch.measured), distance(patch.height)};
+        const Distances at{distance(patch.measured), distance(patch.height), patch.is_added[t / 3] == 0};
         if (!owns(p[0], p[1], p[2], points_.position[i], false)) {
           if (times_[i] == 0) touched_.try_emplace(i, at);
           return;
@@ -138,8 +139,9 @@ class Measurement {
 
  private:
   void count(const Distances& at) {
-    figures_.measured.add(at.measured, nullptr);
     figures_.final.add(at.final, nullptr);
+    if (!at.is_promised) return;
+    figures_.measured.add(at.measured, nullptr);
     if (limit_ && !limit_->allows(at.measured)) ++figures_.beyond;
   }
 

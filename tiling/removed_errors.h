@@ -19,7 +19,7 @@ struct RemovedFigures {
   std::uint64_t points = 0;
   std::uint64_t beyond = 0;    ///< farther than the limit from the TIN through the heights as measured
   std::uint64_t not_once = 0;  ///< in no triangle, or in two
-  TriangleError measured;      ///< from the TIN through the heights as measured
+  TriangleError measured;      ///< from the TIN through the heights as measured; without triangles added by rivers
   TriangleError final;         ///< from the final one, after edits of heights
 
   void add(const RemovedFigures& other);

@@ -24,6 +24,7 @@
 #include "polygon_figures.h"
 #include "reduced_store.h"
 #include "report_pits.h"
+#include "report_rivers.h"
 #include "report_thinning.h"
 #include "schedule.h"
 #include "terrain_file.h"
@@ -79,6 +80,7 @@ struct Figures {
   PitTable pits;  // of the terrain as measured
   PitFigures pit;
   std::optional<ThinningFigures> thinning;
+  std::optional<RiverFigures> rivers;
 };
 
 std::vector<TriangulationFigures> read_triangulations(const RunContext& context) {
@@ -86,7 +88,7 @@ std::vector<TriangulationFigures> read_triangulations(const RunContext& context)
   std::vector<TriangulationFigures> tiles(num_tiles);
   const MendedResults mended = read_mended_results(context);
   const store::Reader drain(context.layout.unit(Phase::drain, 0));
-  const auto rim_minima = drain.read<std::uint64_t>("rim_minima");
+  const auto rim_minima = context.rivers ? laid_rim_minima(context) : drain.read<std::uint64_t>("rim_minima");
   if (rim_minima.size() != num_tiles)
     throw Error(ErrorKind::storage, drain.path() + ": it does not fit the plan; delete the file and run again");
   for (std::uint32_t t = 0; t < num_tiles; ++t) {
@@ -98,7 +100,7 @@ std::vector<TriangulationFigures> read_triangulations(const RunContext& context)
     tile.reference = read_reference_figures(triangulated);
     tile.polygons = read_figures(triangulated);
     tile.polygons.add(mended.figures(context, t));
-    const store::Reader spill(context.layout.unit(Phase::spill, t));
+    const store::Reader spill(context.layout.unit(context.rivers ? Phase::lay : Phase::spill, t));
     tile.value = read_values(spill, context.options.triangulation.objectives.size());
     tile.minima += spill.integer("inner_minima") + static_cast<std::int64_t>(rim_minima[t]);
     // A minimum counts for the tile that owns the point.
@@ -193,6 +195,15 @@ Figures collect(const RunContext& context) {
   f.thinning = read_thinning(context);
   if (f.thinning)
     for (std::string& problem : problems_of(*f.thinning)) s.problems.push_back(std::move(problem));
+  if (context.rivers) {
+    f.rivers = collect_river_figures(context);
+    s.river_edges = f.rivers->edges;
+    s.invalid_river_edges = f.rivers->invalid.size();
+    s.vertices += context.rivers->network.num_new;
+    if (f.rivers->unexpected > 0)
+      s.problems.push_back(std::to_string(f.rivers->unexpected) +
+                           " river edges are invalid, though nothing speaks against them");
+  }
   s.ok = s.problems.empty();
   return f;
 }
@@ -213,6 +224,7 @@ void write_layers(const RunContext& context, const Figures& figures) {
   }
   write_pit_layer(l, figures.pits.pit, figures.pits.is_kept, out);
   write_edit_layers(context, out);
+  if (figures.rivers) write_river_layers(context, *figures.rivers, out);
   out.finish();
 }
 
@@ -327,8 +339,9 @@ json to_json(const RunContext& context, const Figures& f) {
           {"max_triangle_order", s.max_triangle_order},
           {"order", s.order},
           {"pits", s.pits},
-          {"river_edges", 0},
-          {"invalid_river_edges", 0},
+          {"rivers", f.rivers ? json::parse(rivers_json(context, *f.rivers)) : json()},
+          {"river_edges", s.river_edges},
+          {"invalid_river_edges", s.invalid_river_edges},
           {"problems", s.problems},
           {"fingerprint", s.fingerprint}};
 }
@@ -423,6 +436,7 @@ std::string to_text(const RunContext& context, const Figures& f) {
       row("  vertices beyond it", f.all.reference.beyond_limit);
     }
   }
+  if (f.rivers) write_text(context, *f.rivers, out);
   if (f.thinning) write_text(context, *f.thinning, out);
   write_tiles(context, f, out);
   out << "\nResult\n";
@@ -462,6 +476,15 @@ std::vector<std::pair<std::string, std::uint64_t>> list_outputs(const RunContext
   if (context.options.output.dem.enabled && context.options.output.dem.cog) add(context.layout.dem());
   if (wants_change_raster(context.options) && context.options.output.dem.cog) add(context.layout.change());
   if (context.options.output.dem.enabled && context.options.output.dem.hillshade) add(context.layout.hillshade());
+  if (context.rivers) {
+    add(context.layout.rivers());
+    std::error_code absent;
+    std::vector<fs::path> profiles;
+    for (fs::directory_iterator at(context.layout.profiles(), absent), end; !absent && at != end; at.increment(absent))
+      profiles.push_back(at->path());
+    std::sort(profiles.begin(), profiles.end());
+    for (const fs::path& path : profiles) add(path);
+  }
   for (const auto& path :
        {context.layout.layers(), context.layout.pits_csv(), context.layout.report_json(), context.layout.report_text()})
     add(path);
@@ -487,6 +510,7 @@ void write_index(const RunContext& context, const Figures& f) {
   out.set("lowest_point", static_cast<std::int64_t>(context.outline.lowest.point.value));
   out.set("crs", context.plan.crs.size() < 60000 ? context.plan.crs : std::string());
   if (f.thinning) write_to_index(context, *f.thinning, out);
+  if (f.rivers) write_to_index(context, *f.rivers, out);
   write_lattice(out, context.plan.lattice);
   out.append("tile_count", context.outline.count, "vertices that the tile owns");
   out.append("tile_box", flatten(context.outline.box), "tight boxes of them: min x, min y, max x, max y, lattice");
@@ -517,7 +541,10 @@ void write_report(const RunContext& context) {
   write_file(context.layout.pits_csv(), pits_csv(context.plan.lattice, figures.pits.pit, figures.pits.is_kept));
   write_file(context.layout.report_json(), to_json(context, figures).dump(2) + "\n");
   write_file(context.layout.report_text(), to_text(context, figures));
+  if (context.rivers) write_river_store(context);
   remove_leftovers(context);
+  remove_other_profiles(context,
+                        figures.rivers ? write_river_profiles(context, *figures.rivers) : std::vector<std::string>());
   write_index(context, figures);
 }
 

@@ -17,12 +17,17 @@ namespace {
 
 bool is_single(Phase phase) {
   return phase == Phase::plan || phase == Phase::survey || phase == Phase::outline || phase == Phase::join ||
-         phase == Phase::mend || phase == Phase::rank || phase == Phase::choose || phase == Phase::drain ||
-         phase == Phase::lakes || phase == Phase::groups || phase == Phase::report;
+         phase == Phase::mend || phase == Phase::match || phase == Phase::unite || phase == Phase::rank ||
+         phase == Phase::choose || phase == Phase::drain || phase == Phase::lakes || phase == Phase::groups ||
+         phase == Phase::report;
 }
 
 bool is_of_thinning(Phase phase) {
   return phase == Phase::survey || phase == Phase::thin || phase == Phase::verify;
+}
+
+bool is_of_rivers(Phase phase) {
+  return phase >= Phase::lay && phase <= Phase::unite;
 }
 
 void do_unit(const RunContext& context, Phase phase, std::uint32_t unit) {
@@ -47,6 +52,14 @@ void do_unit(const RunContext& context, Phase phase, std::uint32_t unit) {
       return solve_seams(context, unit);
     case Phase::mend:
       return mend_minima(context);
+    case Phase::lay:
+      return lay_tile(context, unit);
+    case Phase::match:
+      return match_rivers(context);
+    case Phase::embed:
+      return embed_groups(context, unit);
+    case Phase::unite:
+      return unite_groups(context);
     case Phase::nest:
       return nest_pools(context, unit);
     case Phase::rank:
@@ -151,6 +164,7 @@ std::uint32_t tiles_in_flight(const ExecutionOptions& run, std::uint64_t largest
 
 std::uint64_t num_units(const RunContext& context, Phase phase) {
   if (is_of_thinning(phase) && !context.thins()) return 0;
+  if (is_of_rivers(phase) && !context.has_rivers()) return 0;
   const Plan& plan = context.plan;
   const PitMethod method = context.options.pits.method;
   if (phase >= Phase::pools && phase <= Phase::settle && method == PitMethod::none) return 0;

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <tuple>
 
 #include "hydrotin/lifting.h"
 #include "kept_pits.h"
@@ -9,21 +8,6 @@
 #include "reduced_store.h"
 
 namespace hydrotin {
-namespace {
-
-// [n] nonzero where a neighbour of the part is lower by (z, x, y).
-std::vector<std::uint8_t> has_lower_neighbor(const Part& part) {
-  const auto key = [&](std::uint32_t v) { return std::tie(part.height[v], part.position[v]); };
-  std::vector<std::uint8_t> flag(part.num_vertices());
-  for (std::uint32_t v = 0; v < flag.size(); ++v) {
-    const auto neighbors = part.graph.neighbors(v);
-    flag[v] = std::any_of(neighbors.begin(), neighbors.end(), [&](std::uint32_t w) { return key(w) < key(v); });
-  }
-  return flag;
-}
-
-}  // namespace
-
 void reduce_tile(const RunContext& context, std::uint32_t tile) {
   const Part part = load_part(context, tile);
   std::vector<std::uint8_t> is_outlet = outlet_flags(context, part);

@@ -10,7 +10,8 @@ namespace {
 }
 
 // The triangles of the runs that meet the box, neighbouring runs read together.
-std::vector<std::uint32_t> read_runs(const store::Reader& in, const LatticeBox& box) {
+std::vector<std::uint32_t> read_runs(const store::Reader& in, const LatticeBox& box,
+                                     std::vector<std::uint32_t>& number) {
   const auto boxes = unflatten(in.read<std::int32_t>("triangle_box"));
   const std::uint64_t size = in.size("triangle");
   if (size % 3 != 0 || boxes.size() != (size / 3 + kRunTriangles - 1) / kRunTriangles)
@@ -24,6 +25,7 @@ std::vector<std::uint32_t> read_runs(const store::Reader& in, const LatticeBox& 
     const std::uint64_t begin = first * kRun, end = std::min<std::uint64_t>(last * kRun, size);
     const auto piece = in.read_range<std::uint32_t>("triangle", begin, end - begin);
     out.insert(out.end(), piece.begin(), piece.end());
+    for (std::uint64_t t = begin / 3; t < end / 3; ++t) number.push_back(static_cast<std::uint32_t>(t));
     first = last;
   }
   return out;
@@ -82,7 +84,14 @@ Lattice read_lattice(const store::Reader& in) {
 
 TrianglePatch read_patch(const store::Reader& in, const LatticeBox& box, bool with_measured) {
   TrianglePatch patch;
-  patch.triangle = read_runs(in, box);
+  std::vector<std::uint32_t> number_in_file;
+  patch.triangle = read_runs(in, box, number_in_file);
+  if (with_measured) {
+    const auto added =
+        in.has("added_triangle") ? in.read<std::uint32_t>("added_triangle") : std::vector<std::uint32_t>();
+    for (const std::uint32_t t : number_in_file)
+      patch.is_added.push_back(std::binary_search(added.begin(), added.end(), t) ? 1 : 0);
+  }
   const std::uint64_t num_own = in.size("x"), num_vertices = num_own + in.size("foreign_point");
   if (num_vertices > std::numeric_limits<std::uint32_t>::max()) damaged(in, "it claims too many vertices");
   if (std::any_of(patch.triangle.begin(), patch.triangle.end(), [&](std::uint32_t v) { return v >= num_vertices; }))

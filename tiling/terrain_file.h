@@ -14,7 +14,7 @@
 ///     x, y, z         i32 [N]   own points; z as measured
 ///     block_box       i32 [4B]  boxes of runs of 512 points: min x, min y, max x, max y
 ///     height          i32 [N]   final height; kUnusedHeight: see the foreign lists of other tiles
-///     foreign_point   u64 [F]   tile << 32 | index, ascending
+///     foreign_point   u64 [F]   tile << 32 | index, ascending; tile = number of tiles: vertices that rivers added
 ///     foreign_xyz     i32 [3F]  z as measured
 ///     foreign_height  i32 [F]   final height
 ///     triangle        u32 [3T]  counter-clockwise: < N own point, else N + entry of foreign_point
@@ -25,6 +25,11 @@
 ///     pit_vertices    u64 [Q]   vertices of their plateaus
 ///     outlet_vertex   u32       vertices at which water may leave by a layer or at voids, numbered as in triangle
 ///     kept_vertex     u32       vertices of pits that were to be kept
+///     river_moved     u32 [M]   vertices that the rivers moved; with rivers only, as the next five
+///     river_height    i32 [M]   their heights before pits were removed
+///     river_edge      u32 [2R]  river edges of these triangles: from, to; numbered as in triangle
+///     invalid_river_edge  u32   those of them along which water climbs, or that are no valleys
+///     added_triangle  u32       triangles that came with the rivers: their order is not limited
 ///     removed_x, removed_y, removed_z, removed_block_box   as x, y, z, block_box: own points that thinning removed
 ///     final_...                 plateaus of the final heights (see reduced_store.h)
 ///     lattice_scale_offset f64 [5], lattice_base i64 [3]
@@ -48,6 +53,7 @@ struct TrianglePatch {
   std::vector<std::int32_t> height;     ///< final
   std::vector<std::int32_t> measured;   ///< if asked for
   std::vector<std::uint32_t> triangle;  ///< [3T]
+  std::vector<std::uint8_t> is_added;   ///< [T] came with the rivers; if `measured` is asked for
 };
 
 /// The runs of triangles of a terrain file whose boxes meet `box`; only what they need is read.

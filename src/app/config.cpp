@@ -9,6 +9,7 @@
 
 #include "hydrotin/crs.h"
 #include "hydrotin/error.h"
+#include "river_measures.h"
 
 namespace hydrotin::app {
 namespace {
@@ -110,12 +111,6 @@ class Reader {
     return items;
   }
 
-  /// What a later version does and this one does not: refused, never passed over in silence.
-  void refuse_for_now(const std::string& key, const std::string& what) const {
-    const Reader entry = at(key);
-    if (entry.is_given()) fail(entry.place(), entry.name_ + ": this version does not " + what + " (remove the key)");
-  }
-
  private:
   const ConfigValue* value_;
   std::string name_;
@@ -146,8 +141,6 @@ void read_input(const Reader& input, const std::filesystem::path& folder, const 
                 InputOptions& options) {
   input.require_keys({"points", "dem", "dem_band", "dem_quantum_m", "dem_nodata", "classes", "rivers", "lakes", "crs",
                       "withheld", "synthetic"});
-  input.refuse_for_now("rivers", "embed rivers");
-  input.refuse_for_now("lakes", "embed lakes");
   const Reader points = input.at("points");
   const std::string patterns = "a list of LAS or LAZ files or patterns";
   read_dem_input(input, folder, options);
@@ -284,6 +277,83 @@ void read_triangulation(const Reader& triangulation, const std::filesystem::path
   }
 }
 
+// What the rows of the rivers ask.
+void read_constraints(const Reader& rivers, RiverConstraints& constraints) {
+  const auto text = [&](const std::string& key, const std::string& other, const std::string& allowed) {
+    const Reader given = rivers.at(key);
+    return given.is_given() ? given.text(allowed) : other;
+  };
+  const auto place = [&](const std::string& key) {
+    const Reader given = rivers.at(key);
+    return given.is_given() ? given.place() + ": " + given.name() : given.name();
+  };
+  set_decline(place("decline"), text("decline", "10%", "10%, 1deg or rise over run"), constraints);
+  set_variant(place("variant"), text("variant", "VFRS", "VF, VFR, VFRS"), constraints);
+  constraints.edge_slope_change = parse_slope_limit(
+      place("max_edge_slope_change"), text("max_edge_slope_change", "50%", "50% of the old slope, or 0.5"));
+  set_contiguity(place("contiguous"), text("contiguous", "", "a number of imaginary points, or exact"), constraints);
+  if (const Reader directions = rivers.at("triangle_directions"); directions.is_given())
+    set_directions(place("triangle_directions"), static_cast<std::uint32_t>(directions.integer(0, 180)), constraints);
+  constraints.triangle_slope_change = parse_slope_limit(
+      place("max_triangle_slope_change"), text("max_triangle_slope_change", "50%", "50% of the old slope, or 0.5"));
+  for (const auto& [key, flag] :
+       {std::pair{"flow", &constraints.flow}, {"valley", &constraints.valley}, {"river_only", &constraints.river_only}})
+    if (const Reader given = rivers.at(key); given.is_given()) *flag = given.boolean();
+  if (const Reader slope = rivers.at("side_slope"); slope.is_given())
+    constraints.side_slope = slope.real(0, 1e6, "rise over run, not negative");
+  if (const Reader most = rivers.at("max_change_m"); most.is_given())
+    constraints.max_change = most.real(1e-9, 1e6, "a height in metres above 0");
+}
+
+void read_rivers(const Reader& input, const Reader& rivers, const std::filesystem::path& folder,
+                 RiverOptions& options) {
+  rivers.require_keys({"variant", "decline", "max_edge_slope_change", "max_change_m", "side_slope", "contiguous",
+                       "triangle_directions", "max_triangle_slope_change", "flow", "valley", "river_only", "match",
+                       "use_z", "direction", "direction_field", "reversed_values", "name_field", "lake_level_field",
+                       "crs"});
+  const Reader lines = input.at("rivers"), lakes = input.at("lakes");
+  if (lines.is_given()) options.lines = resolved(folder, lines.text("a file of lines"));
+  if (lakes.is_given()) options.lakes = resolved(folder, lakes.text("a file of polygons"));
+  if (lakes.is_given() && !lines.is_given())
+    fail(lakes.place(), lakes.name() + ": lakes are those that rivers run through (give input.rivers)");
+  if (rivers.is_given() && !lines.is_given())
+    fail(rivers.place(), "rivers: there are none (give their lines as input.rivers)");
+  read_constraints(rivers, options.constraints);
+  if (const Reader match = rivers.at("match"); match.is_given())
+    options.matching.insert = match.choice({"snap", "insert"}) == 1;
+  if (const Reader z = rivers.at("use_z"); z.is_given()) {
+    options.use_z = z.boolean();
+    if (options.use_z && !options.matching.insert)
+      fail(z.place(), z.name() + ": snapped rivers keep the heights of the terrain (give rivers.match: insert)");
+  }
+  if (const Reader direction = rivers.at("direction"); direction.is_given()) {
+    constexpr LineDirection kValues[] = {LineDirection::automatic, LineDirection::digitised, LineDirection::reversed,
+                                         LineDirection::attribute};
+    options.matching.direction = kValues[direction.choice({"auto", "digitised", "reversed", "attribute"})];
+  }
+  const Reader field = rivers.at("direction_field");
+  if (field.is_given()) options.direction_field = field.text("an attribute of the lines");
+  if ((options.matching.direction == LineDirection::attribute) != field.is_given())
+    fail((field.is_given() ? field : rivers).place(),
+         "rivers.direction: attribute and rivers.direction_field belong together (give both or none)");
+  if (const Reader values = rivers.at("reversed_values"); values.is_given()) {
+    const std::string allowed = "a list of values of rivers.direction_field";
+    if (!field.is_given()) fail(values.place(), values.name() + ": give rivers.direction_field, too");
+    options.reversed_values.clear();
+    for (const Reader& item : values.list(allowed)) options.reversed_values.push_back(item.text(allowed));
+  }
+  if (const Reader name = rivers.at("name_field"); name.is_given())
+    options.name_field = name.text("an attribute of the lines");
+  if (const Reader level = rivers.at("lake_level_field"); level.is_given()) {
+    options.lake_level_field = level.text("an attribute of the lakes");
+    if (!lakes.is_given()) fail(level.place(), level.name() + ": there are no lakes (give input.lakes)");
+  }
+  if (const Reader crs = rivers.at("crs"); crs.is_given()) {
+    options.crs = crs.text("EPSG:n or WKT");
+    (void)parse_crs(options.crs, crs.place() + ": " + crs.name());
+  }
+}
+
 void read_keep(const Reader& keep, const std::filesystem::path& folder, KeepPits& options) {
   keep.require_keys({"deeper_than_m", "larger_than_m2", "volume_above_m3", "inside", "ids", "combine"});
   const auto read_limit = [&](const std::string& key, std::optional<double>& limit) {
@@ -385,7 +455,6 @@ PipelineOptions read_config(const std::filesystem::path& path, std::span<const C
   for (const auto& override : overrides) apply_override(tree, override);
   const Reader root(&tree, "");
   root.require_keys({"input", "output", "tiles", "thin", "triangulation", "rivers", "pits", "run"});
-  root.refuse_for_now("rivers", "embed rivers");
 
   const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
   PipelineOptions options;
@@ -398,6 +467,7 @@ PipelineOptions read_config(const std::filesystem::path& path, std::span<const C
   read_thin(root.at("thin"), options.thin);
   read_triangulation(root.at("triangulation"), folder, options.thin.vertical_error_m.has_value(),
                      options.triangulation);
+  read_rivers(root.at("input"), root.at("rivers"), folder, options.rivers);
   read_pits(root.at("pits"), folder, options.pits);
   read_run(root.at("run"), folder, options.run);
   return options;

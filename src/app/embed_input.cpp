@@ -166,11 +166,7 @@ void find_outlet_vertices(const EmbedArguments& arguments, EmbedInput& input, co
   input.is_outlet =
       find_outlets(arguments.tin, {policy, input.mesh.crs_wkt, {}}, make_fill_terrain(arguments.tin, input.mesh));
   const auto lake = lake_numbers(static_cast<std::uint32_t>(input.position.size()), constraints.lakes);
-  std::vector<std::uint8_t> is_left(constraints.lakes.size() + 1, 0);
-  for (const auto& [from, to] : input.rivers)
-    if (lake[from] != lake[to]) is_left[lake[from]] = 1;
-  for (std::size_t v = 0; v < lake.size(); ++v)
-    if (lake[v] != 0 && is_left[lake[v]] == 0) input.is_outlet[v] = 1;
+  add_closed_lakes(input.rivers, lake, input.is_outlet);
   for (const RiverMouth& mouth : input.mouths.mouth)
     if (mouth.kind == MouthKind::closed) input.is_outlet[mouth.vertex] = 1;
 }
@@ -195,14 +191,7 @@ void prepare_mouths(const EmbedArguments& arguments, EmbedInput& input, RiverCon
     if (mouth.kind == MouthKind::closed) input.is_outlet[mouth.vertex] = 1;
   if (!input.lines) return;
   auto& counts = input.lines->counts;
-  const auto count = [&](MouthKind kind) {
-    return static_cast<std::uint64_t>(std::count_if(input.mouths.mouth.begin(), input.mouths.mouth.end(),
-                                                    [&](const RiverMouth& mouth) { return mouth.kind == kind; }));
-  };
-  counts.emplace_back("mouths_at_outlets", count(MouthKind::outlet));
-  counts.emplace_back("mouths_with_chains", count(MouthKind::chained));
-  counts.emplace_back("mouths_closed", count(MouthKind::closed));
-  counts.emplace_back("chain_edges", input.mouths.edge.size());
+  count_mouths(input.mouths, counts);
   const auto lake = lake_numbers(static_cast<std::uint32_t>(input.position.size()), constraints.lakes);
   const auto [points, left] = clear_mesh_wingtips(arguments.tin, input.mesh, input.rivers, input.mouths.edge, lake);
   counts.emplace_back("steiner_points", points);

@@ -3,14 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
+#include <cmath>
 
 #include "hydrotin/crs.h"
 #include "hydrotin/error.h"
-#include "hydrotin/flow_direction.h"
-#include "hydrotin/line_insertion.h"
-#include "hydrotin/line_snapping.h"
-#include "hydrotin/network_cleaning.h"
+#include "hydrotin/river_matching.h"
 #include "hydrotin/wingtip_clearing.h"
 #include "plane_lattice.h"
 
@@ -77,161 +74,83 @@ VectorParts read_parts(const EmbedArguments& arguments, const Mesh& mesh) {
   return parts;
 }
 
-class Matcher {
- public:
-  Matcher(const EmbedArguments& arguments, Mesh& mesh)
-      : arguments_(arguments),
-        mesh_(mesh),
-        lattice_(find_lattice(plane_of(mesh))),
-        terrain_(terrain_of(arguments.tin, mesh, lattice_)),
-        locator_(terrain_) {}
-
-  LineMatch run() {
-    match_.parts = read_parts(arguments_, mesh_);
-    count("features", match_.parts.num_features);
-    count("without_geometry", match_.parts.num_null);
-    count("of_other_kinds", match_.parts.num_other);
-    count("lines", match_.parts.size());
-    set_names();
-    const RiverLines lines = directed(lay_on_lattice());
-    const RiverLines reaches = split_at_nodes(lines);
-    count("reaches", reaches.size());
-    arguments_.match == "insert" ? insert(reaches) : snap(reaches);
-    if (match_.rivers.empty())
-      throw Error(ErrorKind::input,
-                  fmt::format("{}: no line runs along or across an edge of {} (are they in the same CRS? see "
-                              "--rivers-crs and --crs)",
-                              arguments_.rivers, arguments_.tin));
-    return std::move(match_);
-  }
-
- private:
-  void count(const std::string& name, std::uint64_t number) { match_.counts.emplace_back(name, number); }
-
-  void set_names() {
-    match_.name.resize(match_.parts.size());
-    const std::size_t fields =
-        (arguments_.direction == "attribute" ? 1u : 0u) + (arguments_.river_name.empty() ? 0u : 1u);
-    if (!arguments_.river_name.empty())
-      for (std::size_t i = 0; i < match_.parts.size(); ++i)
-        match_.name[i] = match_.parts.value[i * fields + fields - 1];
-  }
-
-  RiverLines lay_on_lattice() {
-    RiverLines lines;
-    for (std::size_t i = 0; i < match_.parts.size(); ++i)
-      for (const auto& chain : on_lattice(lattice_, match_.parts.ring(match_.parts.ring_begin[i])))
-        lines.add(chain, static_cast<std::uint32_t>(i));
-    RiverLines clean = without_repeats(lines);
-    count("repeated_points", lines.point.size() - clean.point.size());
-    return clean;
-  }
-
-  RiverLines directed(const RiverLines& lines) {
-    match_.is_turned.assign(match_.parts.size(), 0);
-    match_.drop.assign(match_.parts.size(), 0);
-    std::vector<std::uint8_t> is_turned(lines.size(), 0);
-    if (arguments_.direction == "auto") {
-      const FlowVote vote = vote_on_flow(locator_, lines);
-      is_turned = vote.is_turned;
-      count("line_networks", vote.num_networks);
-      count("line_networks_turned", vote.num_turned);
-    } else {
-      for (std::size_t i = 0; i < lines.size(); ++i) is_turned[i] = wants_turn(lines.source[i]) ? 1 : 0;
-    }
-    RiverLines result = turned(lines, is_turned);
-    const auto drops = drops_along(locator_, result);
-    for (std::size_t i = 0; i < lines.size(); ++i) {
-      match_.is_turned[lines.source[i]] = is_turned[i];
-      match_.drop[lines.source[i]] += drops[i];
-    }
-    for (std::uint32_t i = 0; i < match_.drop.size(); ++i)
-      if (match_.drop[i] < 0) match_.disagrees.push_back(i);
-    count("lines_turned", static_cast<std::uint64_t>(std::count(match_.is_turned.begin(), match_.is_turned.end(), 1)));
-    count("lines_that_rise", match_.disagrees.size());
-    return result;
-  }
-
-  [[nodiscard]] bool wants_turn(std::uint32_t part) const {
-    if (arguments_.direction == "reversed") return true;
-    if (arguments_.direction != "attribute") return false;
-    const std::size_t fields = 1u + (arguments_.river_name.empty() ? 0u : 1u);
-    const auto& values = arguments_.reversed_values;
-    return std::find(values.begin(), values.end(), match_.parts.value[part * fields]) != values.end();
-  }
-
-  void snap(const RiverLines& reaches) {
-    SnappedLines snapped = snap_lines(locator_, reaches);
-    count("reaches_outside", snapped.counts.outside);
-    count("pieces", snapped.counts.pieces);
-    count("crossings", snapped.counts.crossings);
-    count("points_inside_triangles", snapped.counts.dropped_points);
-    count("points_snapped_together", snapped.counts.repeated);
-    count("pieces_snapped_to_a_vertex", snapped.counts.vanished);
-    clean(snapped.paths, terrain_, true);
-  }
-
-  void insert(const RiverLines& reaches) {
-    InsertedLines inserted = insert_lines(locator_, reaches);
-    if (arguments_.use_z) take_heights(inserted.terrain);
-    count("reaches_outside", inserted.counts.outside);
-    count("pieces", inserted.counts.pieces);
-    count("line_crossings", inserted.counts.crossings);
-    count("points_bent_in", inserted.counts.bent);
-    count("vertices_inserted", inserted.counts.new_vertices);
-    count("vertices_on_the_rim", inserted.counts.rim_vertices);
-    count("segments_lost", inserted.counts.lost_segments);
-    clean(inserted.paths, inserted.terrain, false);
-    update(mesh_, inserted.terrain, lattice_);
-  }
-
-  /// New vertices at points of the lines take their z; of several the least, which no order decides.
-  void take_heights(LatticeTerrain& terrain) {
-    std::map<LatticePoint, double> z;
-    for (const auto& p : match_.parts.point) {
-      const auto [west, south] = lattice_.coordinates({0, 0});
-      if (std::abs(p[0] - west) >= lattice_.reach() || std::abs(p[1] - south) >= lattice_.reach()) continue;
-      const auto [at, is_new] = z.emplace(lattice_.nearest(p[0], p[1]), p[2]);
-      if (!is_new) at->second = std::min(at->second, p[2]);
-    }
-    std::uint64_t taken = 0;
-    for (std::size_t v = mesh_.vertex.size(); v < terrain.position.size(); ++v)
-      if (const auto found = z.find(terrain.position[v]); found != z.end()) {
-        terrain.height[v] = found->second;
-        ++taken;
-      }
-    count("heights_from_lines", taken);
-  }
-
-  void clean(const RiverPaths& paths, const LatticeTerrain& terrain, bool with_third_edges) {
-    CleanNetwork network = clean_network(terrain.position, terrain.height, paths);
-    count("loop_edges", network.counts.loop_edges);
-    count("repeated_edges", network.counts.repeated_edges);
-    count("opposed_edges", network.counts.opposed_edges);
-    count("shortcut_edges", network.counts.shortcut_edges);
-    count("joined_edges", network.counts.joined_edges);
-    count("cycles", network.cycle_begin.size() - 1);
-    count("cycle_edges", network.counts.cycle_edges);
-    if (with_third_edges) count("third_edges", take_third_edges(terrain, network));
-    for (std::size_t i = 0; i + 1 < network.cycle_begin.size(); ++i)
-      match_.cycles.emplace_back(network.cycle.begin() + static_cast<std::ptrdiff_t>(network.cycle_begin[i]),
-                                 network.cycle.begin() + static_cast<std::ptrdiff_t>(network.cycle_begin[i + 1]));
-    match_.rivers = std::move(network.edge);
-    match_.line_of_edge = std::move(network.line);
-  }
-
-  const EmbedArguments& arguments_;
-  Mesh& mesh_;
-  PlaneLattice lattice_;
-  LatticeTerrain terrain_;
-  TerrainLocator locator_;
-  LineMatch match_;
+/// Names of rivers, and lines drawn upstream by their attribute.
+struct LineAttributes {
+  std::vector<std::string> name;
+  std::vector<std::uint8_t> is_against;
 };
+
+LineAttributes attributes_of(const EmbedArguments& arguments, const VectorParts& parts) {
+  LineAttributes out;
+  const bool has_direction = arguments.direction == "attribute", has_name = !arguments.river_name.empty();
+  const std::size_t fields = (has_direction ? 1u : 0u) + (has_name ? 1u : 0u);
+  out.name.resize(parts.size());
+  out.is_against.assign(parts.size(), 0);
+  const auto& values = arguments.reversed_values;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (has_name) out.name[i] = parts.value[i * fields + fields - 1];
+    if (has_direction)
+      out.is_against[i] = std::find(values.begin(), values.end(), parts.value[i * fields]) != values.end() ? 1 : 0;
+  }
+  return out;
+}
+
+/// Heights at points of the lines; of several the least, which no order decides.
+std::vector<std::pair<LatticePoint, double>> heights_of(const VectorParts& parts, const PlaneLattice& lattice) {
+  std::vector<std::pair<LatticePoint, double>> z;
+  const auto [west, south] = lattice.coordinates({0, 0});
+  for (const auto& p : parts.point)
+    if (std::abs(p[0] - west) < lattice.reach() && std::abs(p[1] - south) < lattice.reach())
+      z.emplace_back(lattice.nearest(p[0], p[1]), p[2]);
+  std::sort(z.begin(), z.end());
+  z.erase(std::unique(z.begin(), z.end(), [](const auto& a, const auto& b) { return a.first == b.first; }), z.end());
+  return z;
+}
+
+LineMatching matching_of(const EmbedArguments& arguments) {
+  LineMatching out;
+  out.insert = arguments.match == "insert";
+  out.direction = arguments.direction == "digitised"   ? LineDirection::digitised
+                  : arguments.direction == "reversed"  ? LineDirection::reversed
+                  : arguments.direction == "attribute" ? LineDirection::attribute
+                                                       : LineDirection::automatic;
+  return out;
+}
 
 }  // namespace
 
 LineMatch match_lines(const EmbedArguments& arguments, Mesh& mesh) {
-  return Matcher(arguments, mesh).run();
+  LineMatch match;
+  match.parts = read_parts(arguments, mesh);
+  const PlaneLattice lattice = find_lattice(plane_of(mesh));
+  const LatticeTerrain terrain = terrain_of(arguments.tin, mesh, lattice);
+  LineAttributes attributes = attributes_of(arguments, match.parts);
+  RiverLines lines;
+  for (std::size_t i = 0; i < match.parts.size(); ++i)
+    for (const auto& chain : on_lattice(lattice, match.parts.ring(match.parts.ring_begin[i])))
+      lines.add(chain, static_cast<std::uint32_t>(i));
+  MatchedLines matched = hydrotin::match_lines(
+      terrain, lines, match.parts.size(), matching_of(arguments), attributes.is_against,
+      arguments.use_z ? heights_of(match.parts, lattice) : std::vector<std::pair<LatticePoint, double>>());
+  if (matched.rivers.empty())
+    throw Error(ErrorKind::input,
+                fmt::format("{}: no line runs along or across an edge of {} (are they in the same CRS? see "
+                            "--rivers-crs and --crs)",
+                            arguments.rivers, arguments.tin));
+  if (arguments.match == "insert") update(mesh, matched.terrain, lattice);
+  match.counts = {{"features", match.parts.num_features},
+                  {"without_geometry", match.parts.num_null},
+                  {"of_other_kinds", match.parts.num_other},
+                  {"lines", match.parts.size()}};
+  match.counts.insert(match.counts.end(), matched.counts.begin(), matched.counts.end());
+  match.is_turned = std::move(matched.is_turned);
+  match.drop = std::move(matched.drop);
+  match.disagrees = std::move(matched.disagrees);
+  match.name = std::move(attributes.name);
+  match.rivers = std::move(matched.rivers);
+  match.line_of_edge = std::move(matched.line);
+  match.cycles = std::move(matched.cycles);
+  return match;
 }
 
 std::pair<std::uint64_t, std::uint64_t> clear_mesh_wingtips(const std::string& path, Mesh& mesh,

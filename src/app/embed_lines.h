@@ -7,6 +7,7 @@
 
 #include "embed_options.h"
 #include "hydrotin/mesh.h"
+#include "hydrotin/river_matching.h"
 #include "hydrotin/river_mouths.h"
 #include "hydrotin/river_network.h"
 #include "hydrotin/vector_reader.h"
@@ -23,7 +24,7 @@ struct LineMatch {
   std::vector<RiverEdge> rivers;
   std::vector<std::uint32_t> line_of_edge;         ///< [R] part that a river edge comes from
   std::vector<std::vector<std::uint32_t>> cycles;  ///< parts that made circles; the first of each was left out
-  std::vector<std::pair<std::string, std::uint64_t>> counts;  ///< every step, in its order
+  StepCounts counts;                               ///< every step, in its order
 };
 
 /// Reads the lines, gives them directions, matches them to the mesh (which gets new vertices with --match insert) and

@@ -3,67 +3,13 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <cmath>
-#include <limits>
-#include <string_view>
 
 #include "hydrotin/error.h"
+#include "river_measures.h"
 
 namespace hydrotin::app {
 namespace {
-
-[[noreturn]] void refuse(const std::string& option, const std::string& text, const std::string& wanted) {
-  throw Error(ErrorKind::config, fmt::format("{}: '{}' is not possible ({})", option, text, wanted));
-}
-
-struct Measure {
-  double value = 0;
-  std::string_view unit;
-};
-
-Measure parse_measure(const std::string& option, const std::string& text, const std::string& wanted) {
-  Measure measure;
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), measure.value);
-  if (error != std::errc{} || !std::isfinite(measure.value) || measure.value < 0) refuse(option, text, wanted);
-  measure.unit = std::string_view(stop, static_cast<std::size_t>(text.data() + text.size() - stop));
-  return measure;
-}
-
-void set_decline(const std::string& text, RiverConstraints& constraints) {
-  const std::string wanted = "write 10%, 1deg or rise over run, not negative";
-  const auto [value, unit] = parse_measure("--decline", text, wanted);
-  constraints.decline_measure = DeclineMeasure::slope;
-  if (unit == "%") {
-    constraints.decline_measure = DeclineMeasure::fraction;
-    constraints.decline = value / 100;
-  } else if (unit == "deg") {
-    if (value >= 90) refuse("--decline", text, "less than 90deg");
-    constraints.decline = std::tan(value * std::acos(-1.0) / 180);
-  } else if (unit.empty()) {
-    constraints.decline = value;
-  } else {
-    refuse("--decline", text, wanted);
-  }
-}
-
-double parse_slope_limit(const std::string& option, const std::string& text) {
-  const std::string wanted = "write 50% of the old slope, or 0.5";
-  const auto [value, unit] = parse_measure(option, text, wanted);
-  if (unit == "%") return value / 100;
-  if (!unit.empty()) refuse(option, text, wanted);
-  return value;
-}
-
-// Slopes in opposite directions are the same: half a turn is divided.
-void set_directions(const EmbedArguments& arguments, RiverConstraints& constraints) {
-  if (arguments.triangle_directions > 180)
-    refuse("--triangle-directions", std::to_string(arguments.triangle_directions), "at most 180");
-  const double half_turn = std::acos(-1.0);
-  for (std::uint32_t i = 0; i < arguments.triangle_directions; ++i)
-    constraints.directions.push_back(half_turn * i / arguments.triangle_directions);
-  constraints.triangle_slope_change = parse_slope_limit("--triangle-slope-limit", arguments.triangle_slope_limit);
-}
 
 void check_names(const EmbedArguments& arguments) {
   const auto check = [](const std::string& option, const std::string& text, std::initializer_list<const char*> known) {
@@ -94,16 +40,6 @@ void check_names(const EmbedArguments& arguments) {
     throw Error(ErrorKind::config, "--lake-level: is about lakes (give --lakes FILE)");
 }
 
-void set_contiguity(const std::string& text, RiverConstraints& constraints) {
-  if (text.empty()) return;
-  constraints.contiguity = Contiguity::exact;
-  if (text == "exact") return;
-  constraints.contiguity = Contiguity::imaginary_points;
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), constraints.imaginary_points);
-  if (error != std::errc{} || stop != text.data() + text.size() || constraints.imaginary_points > 1000)
-    refuse("--contiguous", text, "write a number of imaginary points from 0 to 1000, or exact");
-}
-
 void check_method(const EmbedArguments& arguments, const RiverConstraints& constraints) {
   if (arguments.method == "lp") return;
   if (arguments.method != "dp") refuse("--method", arguments.method, "allowed: lp, dp");
@@ -130,13 +66,10 @@ EmbeddingOptions embedding_options(const EmbedArguments& arguments) {
     throw Error(ErrorKind::config, "embed: say where the rivers are: either --river-edges EDGES or --rivers LINES");
   EmbeddingOptions options;
   RiverConstraints& constraints = options.constraints;
-  if (arguments.variant != "VF" && arguments.variant != "VFR" && arguments.variant != "VFRS")
-    refuse("--variant", arguments.variant, "allowed: VF, VFR, VFRS");
-  set_decline(arguments.decline, constraints);
-  if (arguments.variant == "VF") constraints.decline_measure = DeclineMeasure::none;
-  constraints.limit_edge_slope = arguments.variant == "VFRS";
+  set_decline("--decline", arguments.decline, constraints);
+  set_variant("--variant", arguments.variant, constraints);
   constraints.edge_slope_change = parse_slope_limit("--slope-limit", arguments.slope_limit);
-  set_contiguity(arguments.contiguous, constraints);
+  set_contiguity("--contiguous", arguments.contiguous, constraints);
   const auto check = [](const char* option, double value) {
     if (!std::isfinite(value) || value < 0) refuse(option, fmt::format("{}", value), "a number, not negative");
   };
@@ -150,7 +83,8 @@ EmbeddingOptions embedding_options(const EmbedArguments& arguments) {
   constraints.river_only = arguments.river_only;
   constraints.max_change = arguments.max_change;
   options.quantum = arguments.quantum;
-  set_directions(arguments, constraints);
+  set_directions("--triangle-directions", arguments.triangle_directions, constraints);
+  constraints.triangle_slope_change = parse_slope_limit("--triangle-slope-limit", arguments.triangle_slope_limit);
   check_names(arguments);
   check_method(arguments, constraints);
   return options;

@@ -8,6 +8,8 @@
 #include "hydrotin/drainage_problem.h"
 #include "hydrotin/objective.h"
 #include "hydrotin/polygon.h"
+#include "hydrotin/river_constraints.h"
+#include "hydrotin/river_matching.h"
 
 /// What a run is asked to do: the checked content of a config, with the defaults that suit classified ground LiDAR in
 /// metres. `app` fills it from YAML and `--set`; `tiling` splits it and hands each algorithm its own few numbers.
@@ -40,7 +42,7 @@ struct DemOptions {
   double max_edge_m = 100.0;  ///< triangles with a longer edge stay nodata; 0: no limit
   bool cog = true;            ///< one Cloud Optimized GeoTIFF beside the tiles
   bool hillshade = true;
-  bool change = true;  ///< rasters of what pit removal changed, beside the DEM
+  bool change = true;  ///< rasters of what rivers and pit removal changed, beside the DEM
 };
 
 struct OutputOptions {
@@ -100,6 +102,22 @@ struct PitOptions {
   double void_edge_m = 100;
 };
 
+/// Rivers become valley edges (chapter 7).
+struct RiverOptions {
+  std::string lines;  ///< a vector file; empty: no rivers
+  std::string lakes;  ///< polygons that become level; empty: none
+  std::string crs;    ///< of lines and lakes whose file names none; empty: that of the data
+  LineMatching matching;
+  bool use_z = false;           ///< inserted vertices take the z of the lines
+  std::string direction_field;  ///< attribute that says how a line was drawn
+  std::vector<std::string> reversed_values{"-1", "reversed", "upstream", "against"};  ///< its values for upstream
+  std::string name_field;        ///< attribute that names rivers; empty: networks are numbered
+  std::string lake_level_field;  ///< attribute with the level of a lake; empty: wherever is cheapest
+  RiverConstraints constraints;  ///< slopes as rise over run; without lakes, preserved edges and chains
+
+  [[nodiscard]] bool are_given() const { return !lines.empty(); }
+};
+
 struct ExecutionOptions {
   int workers = 0;  ///< 0: all cores
   std::uint64_t memory_bytes = std::uint64_t{4} << 30;
@@ -112,6 +130,7 @@ struct PipelineOptions {
   TileOptions tiles;
   ThinOptions thin;
   TriangulationOptions triangulation;
+  RiverOptions rivers;
   PitOptions pits;
   ExecutionOptions run;
 };

@@ -20,6 +20,10 @@ enum class Phase : std::uint8_t {
   join,         ///< 1 unit: which border pieces form one polygon, and who solves it
   seam,         ///< a unit per tile: the polygons that cross tiles
   mend,         ///< 1 unit: polygons that save local minima which others left
+  lay,          ///< a unit per tile if there are rivers, else none: its triangles, so that few of them can be read
+  match,        ///< 1 unit if there are rivers, else none: lines become edges, mouths get their way out
+  embed,        ///< a unit per tile if there are rivers, else none: heights for the networks it owns
+  unite,        ///< 1 unit if there are rivers, else none: networks that touch each other, solved as one
   nest,         ///< a unit per tile: its pits, decided or reduced to a tree of pools
   rank,         ///< 1 unit: which pit overflows where into which other
   weigh,        ///< a unit per tile: what its shares of pools across tiles hold
@@ -38,10 +42,10 @@ enum class Phase : std::uint8_t {
   report        ///< 1 unit: COG, hillshade, layers, figures
 };
 
-inline constexpr std::array<std::string_view, 26> kPhaseNames = {
-    "plan",   "ingest",  "arrange", "survey", "thin",   "outline", "triangulate", "join",  "seam",
-    "mend",   "nest",    "rank",    "weigh",  "choose", "spill",   "drain",       "pools", "lakes",
-    "breach", "members", "groups",  "settle", "finish", "verify",  "raster",      "report"};
+inline constexpr std::array<std::string_view, 30> kPhaseNames = {
+    "plan",  "ingest", "arrange", "survey",  "thin",   "outline", "triangulate", "join",   "seam",   "mend",
+    "lay",   "match",  "embed",   "unite",   "nest",   "rank",    "weigh",       "choose", "spill",  "drain",
+    "pools", "lakes",  "breach",  "members", "groups", "settle",  "finish",      "verify", "raster", "report"};
 inline constexpr std::size_t kNumPhases = kPhaseNames.size();
 
 [[nodiscard]] constexpr std::string_view name(Phase phase) {

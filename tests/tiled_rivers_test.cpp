@@ -1,0 +1,494 @@
+// Rivers through the whole pipeline: any tiling gives what the functions give on one terrain in memory, the files prove
+// that every river edge is valid, and what users open says what was done.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "expected_error.h"
+#include "hdf5_attributes.h"
+#include "hydrotin/error.h"
+#include "hydrotin/lifting.h"
+#include "hydrotin/river_embedding.h"
+#include "hydrotin/river_lakes.h"
+#include "hydrotin/river_matching.h"
+#include "hydrotin/vector.h"
+#include "hydrotin/wingtip_clearing.h"
+#include "monolith.h"
+#include "plan.h"
+#include "river_edges.h"
+#include "shared_data.h"
+#include "store.h"
+#include "tiling_fixture.h"
+
+namespace hydrotin {
+namespace {
+
+using testing::run;
+using testing::TemporaryFolder;
+
+constexpr std::uint64_t kEverything = 1'000'000'000;
+using Chain = std::vector<LatticePoint>;
+
+/// Hills with lines drawn across them, whatever these do to the relief.
+struct Scene {
+  std::vector<LatticePoint> position;
+  std::vector<std::int32_t> height;
+  std::vector<std::string> files;
+  std::vector<Chain> line, lake;  // as the files of points count
+  std::string rivers, lakes;
+};
+
+VectorPoint in_crs(LatticePoint p) {
+  return {500000 + p.x * 0.01, 4000000 + p.y * 0.01, 0};
+}
+
+void write_lines(Scene& scene, const TemporaryFolder& folder, const std::string& stem) {
+  scene.rivers = folder / (stem + "rivers.gpkg");
+  GeoPackageWriter out(scene.rivers, "EPSG:32633");
+  const std::vector<VectorField> fields{{"name", FieldType::text}};
+  const int layer = out.add_layer("rivers", VectorGeometry::line, false, fields);
+  for (std::size_t i = 0; i < scene.line.size(); ++i) {
+    std::vector<VectorPoint> points;
+    for (const LatticePoint p : scene.line[i]) points.push_back(in_crs(p));
+    out.add_line(layer, points, std::vector<FieldValue>{std::string(i < 2 ? "stem" : "")});
+  }
+  out.finish();
+  if (scene.lake.empty()) return;
+  scene.lakes = folder / (stem + "lakes.gpkg");
+  GeoPackageWriter lakes(scene.lakes, "EPSG:32633");
+  const int polygons = lakes.add_layer("lakes", VectorGeometry::polygon, false, {});
+  for (const Chain& ring : scene.lake) {
+    std::vector<VectorPoint> points;
+    for (const LatticePoint p : ring) points.push_back(in_crs(p));
+    lakes.add_polygon(polygons, points, {});
+  }
+  lakes.finish();
+}
+
+/// A stem with a tributary, rivers that end inside, rivers so near to each other that they have to be solved together,
+/// a line that runs out of the terrain, and lakes.
+Scene make_scene(const TemporaryFolder& folder, std::uint64_t seed, std::size_t n, bool with_lakes) {
+  Scene s;
+  s.position = testing::distinct(testing::make_cloud(testing::CloudKind::uniform, seed, n, 100));
+  for (const LatticePoint p : s.position) s.height.push_back(testing::relief_at(seed, p, 3000, 4000, 5));
+  const std::string stem = "scene" + std::to_string(seed) + (with_lakes ? "l" : "") + "_";
+  s.files = testing::write_files(folder, s.position, s.height, 2, stem);
+  const std::int32_t size = testing::extent_for(n, 100);
+  const auto at = [&](double x, double y) {
+    return LatticePoint{static_cast<std::int32_t>(x * size), static_cast<std::int32_t>(y * size)};
+  };
+  const LatticePoint node = at(0.52, 0.55);
+  s.line = {{at(0.08, 0.3), at(0.2, 0.42), at(0.33, 0.37), at(0.45, 0.5), node},
+            {node, at(0.61, 0.57), at(0.72, 0.47), at(0.9, 0.5), at(1.1, 0.52)},
+            {at(0.5, 0.93), at(0.55, 0.8), at(0.48, 0.7), node},
+            {at(0.15, 0.8), at(0.22, 0.72), at(0.3, 0.74)}};
+  // Around a corner, from edge to edge.
+  for (int i = 0; i < 3; ++i)
+    s.line.push_back({at(0.6 + 0.09 * i, -0.05), at(0.78 + 0.06 * i, 0.22 - 0.06 * i), at(1.05, 0.36 - 0.09 * i)});
+  if (with_lakes) {
+    s.lake.push_back({at(0.42, 0.46), at(0.49, 0.47), at(0.48, 0.54), at(0.42, 0.53)});
+    s.lake.push_back({at(0.3, 0.72), at(0.34, 0.72), at(0.33, 0.77), at(0.29, 0.77)});
+  }
+  write_lines(s, folder, stem);
+  return s;
+}
+
+/// Rivers on parallel ridges that fall to the south, each into a lake of its own: each has to be cut in, and the slopes
+/// between them pass that on.
+Scene make_ridges(const TemporaryFolder& folder, std::uint64_t seed, std::size_t n) {
+  Scene s;
+  s.position = testing::distinct(testing::make_cloud(testing::CloudKind::uniform, seed, n, 100));
+  const double size = testing::extent_for(n, 100), width = 0.12 * size;
+  for (const LatticePoint p : s.position)
+    s.height.push_back(
+        static_cast<std::int32_t>(std::lround(p.y / 4.0 + 500 * std::cos(6.283185307179586 * p.x / width))));
+  s.files = testing::write_files(folder, s.position, s.height, 2, "ridges_");
+  for (int i = 1; i < 8; ++i) {
+    const auto x = static_cast<std::int32_t>(i * width);
+    const auto north = static_cast<std::int32_t>(0.85 * size), south = static_cast<std::int32_t>(0.15 * size);
+    s.line.push_back({{x, north}, {x, south}});
+    s.lake.push_back({{x - 150, south - 150}, {x + 150, south - 150}, {x + 150, south + 150}, {x - 150, south + 150}});
+  }
+  write_lines(s, folder, "ridges_");
+  return s;
+}
+
+PipelineOptions options_of(const Scene& scene, const std::string& out, std::uint64_t target) {
+  PipelineOptions options = testing::options_for(scene.files, out);
+  options.tiles.target_points = target;
+  options.triangulation.order = 1;
+  options.rivers.lines = scene.rivers;
+  options.rivers.lakes = scene.lakes;
+  options.rivers.name_field = "name";
+  return options;
+}
+
+struct Expected {
+  std::string fingerprint;
+  std::uint64_t vertices = 0, triangles = 0, rivers = 0, chains = 0, outlets = 0, moved = 0, invalid = 0;
+};
+
+/// The same in memory, in one go.
+Expected expected_of(const Scene& scene, const PipelineOptions& options) {
+  const Lattice lattice = make_plan(options).lattice;
+  const auto place = [&](LatticePoint p) {
+    return LatticePoint{static_cast<std::int32_t>(p.x - lattice.base_x),
+                        static_cast<std::int32_t>(p.y - lattice.base_y)};
+  };
+  LatticeTerrain given;
+  std::vector<std::int32_t> measured;
+  for (const auto& [p, z] : testing::lowest_points(scene.position, scene.height)) {
+    given.position.push_back(place(p));
+    measured.push_back(static_cast<std::int32_t>(z - lattice.base_z));
+    given.height.push_back(measured.back());
+  }
+  const auto tin = triangulate(given.position, measured,
+                               PointSetOptions{.order = options.triangulation.order,
+                                               .polygon = {.objectives = options.triangulation.objectives}},
+                               {});
+  for (const auto& t : tin.triangles) given.triangle.insert(given.triangle.end(), t.begin(), t.end());
+  link_twins(given);
+  RiverLines lines;
+  for (std::size_t i = 0; i < scene.line.size(); ++i) {
+    Chain chain;
+    for (const LatticePoint p : scene.line[i]) chain.push_back(place(p));
+    lines.add(chain, static_cast<std::uint32_t>(i));
+  }
+  MatchedLines match = match_lines(given, lines, scene.line.size(), options.rivers.matching, {}, {});
+  LatticeTerrain& terrain = match.terrain;
+  const auto round = [&](std::size_t first) {
+    for (std::size_t v = first; v < terrain.height.size(); ++v) terrain.height[v] = std::round(terrain.height[v]);
+  };
+  round(given.position.size());
+  const auto plane = [&] {
+    std::vector<std::array<double, 2>> out;
+    for (const LatticePoint p : terrain.position) out.push_back({p.x * lattice.scale_xy, p.y * lattice.scale_xy});
+    return out;
+  };
+  EmbeddingOptions embedding;
+  embedding.constraints = options.rivers.constraints;
+  embedding.quantum = lattice.scale_z;
+  for (const Chain& ring : scene.lake) {
+    std::vector<std::array<double, 3>> corner;
+    for (const LatticePoint p : ring)
+      corner.push_back({static_cast<double>(place(p).x), static_cast<double>(place(p).y), 0});
+    const std::vector<std::size_t> rings{0, 1}, points{0, corner.size()};
+    std::vector<std::array<double, 2>> position;
+    for (const LatticePoint p : terrain.position)
+      position.push_back({static_cast<double>(p.x), static_cast<double>(p.y)});
+    embedding.constraints.lakes.push_back({vertices_in({rings, points, corner}, position).vertex[0], false, 0});
+  }
+  auto position = plane();
+  embedding.constraints.lakes =
+      close_lakes({position, terrain.height, terrain.triangle}, match.rivers, embedding.constraints.lakes).lake;
+  const auto lake_of = [&] { return lake_numbers(terrain.num_vertices(), embedding.constraints.lakes); };
+  std::vector<std::uint8_t> outlet(terrain.num_vertices(), 0);
+  for (std::uint32_t h = 0; h < terrain.triangle.size(); ++h)
+    if (terrain.twin[h] == kNoHalfedge) outlet[terrain.origin(h)] = outlet[terrain.target(h)] = 1;
+  const auto hull = outlet;
+  add_closed_lakes(match.rivers, lake_of(), outlet);
+  const OutletChains chains =
+      find_outlet_chains({position, terrain.height, terrain.triangle}, match.rivers, outlet, lake_of());
+  for (const RiverMouth& mouth : chains.mouth)
+    if (mouth.kind == MouthKind::closed) outlet[mouth.vertex] = 1;
+  Expected out;
+  for (std::size_t v = 0; v < outlet.size(); ++v) out.outlets += outlet[v] != hull[v] ? 1 : 0;
+  const std::uint32_t before = terrain.num_vertices();
+  (void)clear_wingtips(terrain, match.rivers, chains.edge, lake_of());
+  round(before);
+  outlet.resize(terrain.num_vertices(), 0);
+  for (std::uint32_t h = 0; h < terrain.triangle.size(); ++h)
+    if (terrain.twin[h] == kNoHalfedge) outlet[terrain.origin(h)] = outlet[terrain.target(h)] = 1;
+  position = plane();
+  std::vector<double> z;
+  for (const double h : terrain.height) z.push_back(h * lattice.scale_z);
+  embedding.constraints.chain = chains.edge;
+  const Embedding embedded = embed_rivers({position, z, terrain.triangle}, match.rivers, embedding);
+  std::vector<std::int32_t> height;
+  for (std::size_t v = 0; v < z.size(); ++v) {
+    height.push_back(static_cast<std::int32_t>(std::llround(embedded.height[v] / lattice.scale_z)));
+    out.moved += height[v] != static_cast<std::int32_t>(terrain.height[v]) ? 1 : 0;
+  }
+  const VertexGraph graph = make_vertex_graph(terrain.num_vertices(), terrain.triangle);
+  const auto level = lift(graph, height, outlet);
+  out.invalid = invalid_river_edges(terrain.position, level, terrain.triangle, match.rivers, true, true).size();
+  EXPECT_TRUE(out.invalid == 0 || !embedded.broken.empty());
+  Fingerprint sum;
+  const auto corner = [&](std::uint32_t v) {
+    return Fingerprint::Corner{terrain.position[v].x, terrain.position[v].y, level[v]};
+  };
+  for (std::size_t t = 0; t < terrain.triangle.size(); t += 3)
+    sum.add({corner(terrain.triangle[t]), corner(terrain.triangle[t + 1]), corner(terrain.triangle[t + 2])});
+  out.fingerprint = sum.hex();
+  out.vertices = terrain.num_vertices();
+  out.triangles = terrain.triangle.size() / 3;
+  out.rivers = match.rivers.size();
+  out.chains = chains.edge.size();
+  return out;
+}
+
+void expect_checked(const std::string& dir, std::uint64_t river_edges, std::uint64_t invalid = 0) {
+  const DatasetSummary checked = check_dataset(dir, 1000);
+  EXPECT_TRUE(checked.ok) << (checked.problems.empty() ? "" : checked.problems.front());
+  EXPECT_EQ(checked.pits, 0U);
+  EXPECT_EQ(checked.river_edges, river_edges);
+  EXPECT_EQ(checked.invalid_river_edges, invalid);
+}
+
+void expect_same(const Scene& scene, const PipelineOptions& base, const TemporaryFolder& folder,
+                 const std::string& name, const std::vector<std::uint64_t>& targets) {
+  const Expected expected = expected_of(scene, base);
+  EXPECT_GT(expected.rivers, 15U);
+  EXPECT_GT(expected.moved, 0U);
+  int serial = 0;
+  for (const std::uint64_t target : targets) {
+    SCOPED_TRACE(name + " " + std::to_string(target));
+    PipelineOptions options = base;
+    options.output.dir = folder / (name + std::to_string(serial));
+    options.tiles.target_points = target;
+    options.run.workers = 1 + serial % 2;
+    if (serial++ % 2 == 1) options.run.memory_bytes = std::uint64_t{64} << 20;
+    const DatasetSummary got = run(options);
+    EXPECT_EQ(got.fingerprint, expected.fingerprint);
+    EXPECT_EQ(got.vertices, expected.vertices);
+    EXPECT_EQ(got.triangles, expected.triangles);
+    EXPECT_EQ(got.river_edges, expected.rivers);
+    EXPECT_EQ(got.invalid_river_edges, expected.invalid);
+    EXPECT_TRUE(got.ok);
+    expect_checked(options.output.dir, expected.rivers, expected.invalid);
+  }
+}
+
+TEST(TiledRivers, EveryTilingEqualsTheWhole) {
+  const TemporaryFolder folder;
+  for (const bool with_lakes : {false, true}) {
+    const Scene scene = make_scene(folder, 5, 8'000, with_lakes);
+    for (const bool insert : {false, true}) {
+      PipelineOptions options = options_of(scene, folder / "plan", kEverything);
+      options.rivers.matching.insert = insert;
+      expect_same(
+          scene, options, folder, std::string(with_lakes ? "l" : "-") + (insert ? "i" : "s"),
+          insert != with_lakes ? std::vector<std::uint64_t>{kEverything, 1'000} : std::vector<std::uint64_t>{2'500});
+    }
+  }
+}
+
+TEST(TiledRivers, NetworksThatComeNearEachOtherAreSolvedAsOne) {
+  const TemporaryFolder folder;
+  const Scene scene = make_ridges(folder, 4, 6'000);
+  expect_same(scene, options_of(scene, folder / "plan", kEverything), folder, "ridges", {kEverything, 1'200});
+  const auto rivers = nlohmann::json::parse(testing::bytes_of(folder / "ridges1/report.json")).at("rivers");
+  EXPECT_GT(rivers.at("groups"), 1);
+  EXPECT_GT(rivers.at("groups_solved_together"), 1);
+}
+
+TEST(TiledRivers, VariantsEqualTheWhole) {
+  const TemporaryFolder folder;
+  const Scene scene = make_scene(folder, 7, 3'000, false);
+  const auto with = [&](const std::string& name, auto change) {
+    PipelineOptions options = options_of(scene, folder / "plan", kEverything);
+    change(options.rivers);
+    expect_same(scene, options, folder, name, {1'500});
+  };
+  with("vf", [](RiverOptions& r) {
+    r.constraints.decline_measure = DeclineMeasure::none;
+    r.constraints.limit_edge_slope = false;
+  });
+  with("slope", [](RiverOptions& r) {
+    r.constraints.decline_measure = DeclineMeasure::slope;
+    r.constraints.decline = 0.01;
+    r.constraints.side_slope = 0.02;
+  });
+  with("exact", [](RiverOptions& r) { r.constraints.contiguity = Contiguity::exact; });
+  with("reversed", [](RiverOptions& r) { r.matching.direction = LineDirection::reversed; });
+}
+
+TEST(TiledRivers, LeastChangeKeepsRivers) {
+  const TemporaryFolder folder;
+  const Scene scene = make_scene(folder, 9, 6'000, true);
+  const Expected expected = expected_of(scene, options_of(scene, folder / "plan", kEverything));
+  for (const PitMethod method : {PitMethod::least_change, PitMethod::breach, PitMethod::none}) {
+    std::string fingerprint;
+    for (const std::uint64_t target : {kEverything, std::uint64_t{1'500}}) {
+      PipelineOptions options =
+          options_of(scene, folder / (std::to_string(static_cast<int>(method)) + "-" + std::to_string(target)), target);
+      options.pits.method = method;
+      const DatasetSummary got = run(options);
+      if (fingerprint.empty()) fingerprint = got.fingerprint;
+      EXPECT_EQ(got.fingerprint, fingerprint);
+      EXPECT_EQ(got.river_edges, expected.rivers);
+      EXPECT_EQ(got.invalid_river_edges, 0U);
+      const DatasetSummary checked = check_dataset(options.output.dir, 1000);
+      EXPECT_TRUE(checked.ok) << (checked.problems.empty() ? "" : checked.problems.front());
+      if (method == PitMethod::none) {
+        EXPECT_GT(checked.pits, 0U);
+      } else {
+        EXPECT_EQ(checked.pits, 0U);
+      }
+    }
+  }
+}
+
+TEST(TiledRivers, JobArraysGiveTheSame) {
+  const TemporaryFolder folder;
+  const Scene scene = make_scene(folder, 11, 5'000, true);
+  const std::string expected = run(options_of(scene, folder / "whole", kEverything)).fingerprint;
+  const PipelineOptions options = options_of(scene, folder / "array", 1'000);
+  testing::Silent silent;
+  for (std::size_t p = 0; p < kNumPhases; ++p)
+    for (std::uint64_t task = 0; task < 3; ++task) run_phase(options, static_cast<Phase>(p), 2 - task, 3, silent);
+  EXPECT_EQ(check_dataset(options.output.dir, 1000).fingerprint, expected);
+  expect_checked(options.output.dir, check_dataset(folder / "whole", 1).river_edges);
+  // Outputs of every kind that an interruption took.
+  for (const std::string lost : {"work/lay/000001.h5", "work/match/000000.h5", "work/embed/000000.h5",
+                                 "work/unite/000000.h5", "terrain/rivers.h5", "terrain/index.h5"})
+    ASSERT_TRUE(std::filesystem::remove(folder / ("array/" + lost))) << lost;
+  EXPECT_EQ(run(options).fingerprint, expected);
+  EXPECT_TRUE(check_dataset(options.output.dir, 1000).ok);
+}
+
+TEST(TiledRivers, ReportAndLayersSayWhatWasDone) {
+  const TemporaryFolder folder;
+  const Scene scene = make_scene(folder, 5, 6'000, true);
+  const PipelineOptions options = options_of(scene, folder / "out", 1'500);
+  const DatasetSummary summary = run(options);
+  const auto report = nlohmann::json::parse(testing::bytes_of(folder / "out/report.json"));
+  const auto& rivers = report.at("rivers");
+  EXPECT_EQ(rivers.at("river_edges"), summary.river_edges);
+  EXPECT_EQ(rivers.at("invalid_river_edges"), 0);
+  EXPECT_EQ(rivers.at("lines").at("lines"), scene.line.size());
+  EXPECT_EQ(rivers.at("lakes"), 2);
+  EXPECT_GT(rivers.at("all").at("wrong_flow_before"), 0);
+  EXPECT_EQ(rivers.at("all").at("wrong_flow_after"), 0);
+  EXPECT_EQ(rivers.at("all").at("not_valley_after"), 0);
+  std::uint64_t edges = 0;
+  std::string profile;
+  for (std::size_t i = 0; i < rivers.at("rivers").size(); ++i) {
+    const auto& river = rivers.at("rivers").at(i);
+    edges += river.at("edges").get<std::uint64_t>();
+    if (river.at("name") == "stem")
+      profile = testing::bytes_of(folder / ("out/profiles/0" + std::to_string(i + 1) + "-stem.svg"));
+  }
+  EXPECT_EQ(edges, summary.river_edges);
+  // A lake that no river reaches is of no river.
+  EXPECT_GE(rivers.at("objective").get<double>(), rivers.at("all").at("total_change").get<double>() - 1e-6);
+  // The bound is that of rows with margins; heights are then rounded to centimetres.
+  EXPECT_LE(rivers.at("bound").get<double>(),
+            rivers.at("objective").get<double>() + 0.005 * rivers.at("vertices_moved").get<double>());
+  EXPECT_NE(profile.find("<polyline"), std::string::npos);
+  EXPECT_NE(profile.find(">stem</text>"), std::string::npos);
+  // Without rivers nothing of them is left.
+  PipelineOptions without = options;
+  without.rivers = {};
+  EXPECT_EQ(run(without).river_edges, 0U);
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/terrain/rivers.h5"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/profiles"));
+  EXPECT_TRUE(check_dataset(folder / "out", 1000).ok);
+}
+
+bool mentions(const DatasetSummary& checked, const std::string& text) {
+  return std::any_of(checked.problems.begin(), checked.problems.end(),
+                     [&](const std::string& problem) { return problem.find(text) != std::string::npos; });
+}
+
+TEST(TiledRivers, CheckFindsWhatIsWrong) {
+  const TemporaryFolder folder;
+  const Scene scene = make_scene(folder, 5, 4'000, true);
+  const PipelineOptions options = options_of(scene, folder / "out", 1'000);
+  const DatasetSummary summary = run(options);
+  ASSERT_TRUE(check_dataset(folder / "out", 10).ok);
+  const auto damaged = [&](const std::string& name, auto damage) {
+    const std::string copy = folder / name;
+    std::filesystem::copy(folder / "out", copy, std::filesystem::copy_options::recursive);
+    damage(copy + "/terrain/");
+    return copy;
+  };
+  // The lower end of a river edge that one file holds rises above the upper one.
+  const std::string higher = damaged("higher", [&](const std::string& terrain) {
+    for (int t = 0; t < 4; ++t) {
+      const std::string path = terrain + "tile_00000" + std::to_string(t) + ".h5";
+      std::optional<std::pair<std::uint32_t, std::int32_t>> change;
+      {
+        const store::Reader in(path);
+        const auto edge = in.read<std::uint32_t>("river_edge");
+        const auto height = in.read<std::int32_t>("height");
+        for (std::size_t i = 0; i + 1 < edge.size() && !change; i += 2)
+          if (edge[i] < height.size() && edge[i + 1] < height.size()) change = {edge[i + 1], height[edge[i]] + 1};
+      }
+      if (!change) continue;
+      testing::set_entry(path, "height", change->first, change->second);
+      return;
+    }
+  });
+  DatasetSummary checked = check_dataset(higher, 10);
+  EXPECT_FALSE(checked.ok);
+  EXPECT_GT(checked.invalid_river_edges, 0U);
+  EXPECT_TRUE(mentions(checked, "is invalid, though nothing speaks against it"));
+  EXPECT_TRUE(mentions(checked, "river edges, 0 of them invalid, but there are"));
+
+  checked = check_dataset(damaged("fewer",
+                                  [&](const std::string& terrain) {
+                                    testing::set_attribute(terrain + "index.h5", "river_edges",
+                                                           static_cast<std::int64_t>(summary.river_edges - 1));
+                                  }),
+                          10);
+  EXPECT_TRUE(mentions(checked, "it states " + std::to_string(summary.river_edges - 1) + " river edges"));
+
+  ASSERT_GT(store::Reader(folder / "out/terrain/rivers.h5").size("new_xyz"), 0U) << "the scene needs a Steiner point";
+  checked = check_dataset(
+      damaged("moved",
+              [&](const std::string& terrain) { testing::set_entry(terrain + "rivers.h5", "new_xyz", 2, -7); }),
+      10);
+  EXPECT_TRUE(mentions(checked, "the new vertex at"));
+
+  const std::string lost =
+      damaged("lost", [&](const std::string& terrain) { std::filesystem::remove(terrain + "rivers.h5"); });
+  EXPECT_NE(testing::error_of([&] { (void)check_dataset(lost, 10); }, ErrorKind::storage).find("rivers.h5"),
+            std::string::npos);
+}
+
+TEST(TiledRivers, LinesDrawnUpstreamOnARealDem) {
+  HYDROTIN_REQUIRE_SHARED_DATA();
+  const TemporaryFolder folder;
+  PipelineOptions options = testing::options_for({}, folder / "out");
+  options.input.dem = {testing::shared_path("dem_rivers_logan/output[0-3].tif")};
+  options.rivers.lines = testing::shared_path("dem_rivers_logan/logannet.shp");
+  options.tiles.target_points = 20'000;
+  const DatasetSummary got = run(options);
+  EXPECT_TRUE(got.ok);
+  EXPECT_EQ(got.pits, 0U);
+  EXPECT_EQ(got.river_edges, 2'838U);
+  EXPECT_EQ(got.invalid_river_edges, 0U);
+  const auto rivers = nlohmann::json::parse(testing::bytes_of(folder / "out/report.json")).at("rivers");
+  EXPECT_EQ(rivers.at("lines").at("lines_turned"), 152);
+  EXPECT_EQ(rivers.at("all").at("wrong_flow_before"), 522);
+  EXPECT_EQ(rivers.at("all").at("not_valley_after"), 0);
+  EXPECT_EQ(rivers.at("optimal"), true);
+}
+
+TEST(TiledRivers, BadInputsAreNamed) {
+  const TemporaryFolder folder;
+  Scene scene = make_scene(folder, 3, 2'000, false);
+  PipelineOptions options = options_of(scene, folder / "out", 1'000);
+  options.rivers.lines = folder / "absent.gpkg";
+  EXPECT_NE(testing::error_of([&] { (void)run(options); }, ErrorKind::input).find("absent.gpkg"), std::string::npos);
+  scene.line = {{{-900'000, -900'000}, {-890'000, -900'000}}};
+  write_lines(scene, folder, "far_");
+  options = options_of(scene, folder / "out", 1'000);
+  EXPECT_NE(
+      testing::error_of([&] { (void)run(options); }, ErrorKind::input).find("no line runs along or across an edge"),
+      std::string::npos);
+  Scene lakes = make_scene(folder, 3, 2'000, true);
+  lakes.lake.push_back(lakes.lake[0]);
+  write_lines(lakes, folder, "twice_");
+  options = options_of(lakes, folder / "out", 1'000);
+  EXPECT_NE(testing::error_of([&] { (void)run(options); }, ErrorKind::input).find("lakes must not overlap"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace hydrotin

@@ -1,0 +1,477 @@
+#include "report_rivers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <ostream>
+#include <tuple>
+
+#include "hydrotin/profile_svg.h"
+#include "river_input.h"
+
+namespace hydrotin {
+namespace {
+
+using nlohmann::ordered_json;
+using Fields = std::vector<VectorField>;
+using Values = std::vector<FieldValue>;
+
+constexpr std::size_t kMostRivers = 25;
+
+void add(RiverRow& sum, const RiverRow& row) {
+  sum.edges += row.edges;
+  sum.length += row.length;
+  sum.drop_before += row.drop_before;
+  sum.drop_after += row.drop_after;
+  sum.wrong_flow_before += row.wrong_flow_before;
+  sum.not_valley_before += row.not_valley_before;
+  sum.flat_before += row.flat_before;
+  sum.leaks_before += row.leaks_before;
+  sum.wrong_flow_after += row.wrong_flow_after;
+  sum.not_valley_after += row.not_valley_after;
+  sum.flat_after += row.flat_after;
+  sum.leaks_after += row.leaks_after;
+  sum.moved += row.moved;
+  sum.total += row.total;
+  sum.largest = std::max(sum.largest, row.largest);
+}
+
+RiverRow sum_of(const RiverFigures& f) {
+  RiverRow all;
+  for (const RiverRow& row : f.row) add(all, row);
+  return all;
+}
+
+// Final heights at rivers, and edges that are not valid, as the files of the tiles say.
+void read_files(const RunContext& context, RiverFigures& out) {
+  for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t) {
+    const store::Reader in(context.layout.terrain(t));
+    const auto edge = in.read<std::uint32_t>("river_edge"), invalid = in.read<std::uint32_t>("invalid_river_edge");
+    if (edge.empty()) continue;
+    const auto height = in.read<std::int32_t>("height"), foreign_height = in.read<std::int32_t>("foreign_height");
+    const auto foreign = in.read<std::uint64_t>("foreign_point");
+    const auto check = [&](std::uint32_t v) {
+      if (v >= height.size() + foreign.size() || foreign.size() != foreign_height.size())
+        throw Error(ErrorKind::storage,
+                    in.path() + ": a river edge refers to a vertex that is not listed; delete the file and run again");
+    };
+    const auto id = [&](std::uint32_t v) {
+      return v < height.size() ? PointId(t, v).value : foreign[v - height.size()];
+    };
+    for (const std::uint32_t v : edge) {
+      check(v);
+      out.height[id(v)] = v < height.size() ? height[v] : foreign_height[v - height.size()];
+    }
+    for (std::size_t i = 0; i + 1 < invalid.size(); i += 2) {
+      check(invalid[i]);
+      check(invalid[i + 1]);
+      out.invalid.emplace_back(id(invalid[i]), id(invalid[i + 1]));
+    }
+  }
+  std::sort(out.invalid.begin(), out.invalid.end());
+  out.invalid.erase(std::unique(out.invalid.begin(), out.invalid.end()), out.invalid.end());
+}
+
+// Heights as the rivers left them.
+std::int32_t embedded(const EmbeddedRivers& rivers, std::uint32_t v) {
+  const std::uint64_t point = rivers.network.point[v];
+  const auto at = std::lower_bound(rivers.moved.begin(), rivers.moved.end(), point,
+                                   [](const auto& entry, std::uint64_t id) { return entry.first < id; });
+  return at != rivers.moved.end() && at->first == point ? at->second : rivers.network.height[v];
+}
+
+std::string reason_of(const GroupSolution& solution, const BrokenPlace& place) {
+  if (!solution.optimal) return "the search ended before it held";
+  if (place.is_strict_part) return "holds weakly; its decline or side slope contradicts other constraints";
+  return "contradicts other constraints or the largest change";
+}
+
+class LayerWriter {
+ public:
+  LayerWriter(const RunContext& context, const RiverFigures& figures, GeoPackageWriter& file)
+      : context_(context),
+        rivers_(*context.rivers),
+        network_(rivers_.network),
+        input_(*context.river_input),
+        figures_(figures),
+        lattice_(context.plan.lattice),
+        file_(file) {}
+
+  void add_edges() {
+    const int layer = file_.add_layer("river_edges", VectorGeometry::line, true,
+                                      Fields{{"river", FieldType::text},
+                                             {"source_layer", FieldType::integer},
+                                             {"source_feature", FieldType::integer},
+                                             {"length", FieldType::real},
+                                             {"drop_before", FieldType::real},
+                                             {"drop_after", FieldType::real},
+                                             {"status", FieldType::text},
+                                             {"valid", FieldType::integer}});
+    for (std::size_t e = 0; e < network_.river.size(); ++e) {
+      const auto [from, to] = network_.river[e];
+      const std::uint32_t line = network_.line[e];
+      const double before = z_between(network_.height[from], network_.height[to]);
+      const double after = z_between(final_height(from), final_height(to));
+      const bool is_valid = !std::binary_search(figures_.invalid.begin(), figures_.invalid.end(),
+                                                std::pair(network_.point[from], network_.point[to]));
+      const std::string status = after < 0    ? "flows uphill"
+                                 : !is_valid  ? "is no valley"
+                                 : after == 0 ? "is level"
+                                              : "is valid";
+      file_.add_line(
+          layer, line_of({from, to}),
+          Values{figures_.names.name[figures_.names.river[e]], std::int64_t{input_.lines.layer[line]},
+                 input_.lines.feature[line], length(from, to), before, after, status, std::int64_t{is_valid ? 1 : 0}});
+    }
+  }
+
+  void add_moved() {
+    const int layer = file_.add_layer("moved_vertices", VectorGeometry::point, true,
+                                      Fields{{"kind", FieldType::text},
+                                             {"before", FieldType::real},
+                                             {"after", FieldType::real},
+                                             {"change", FieldType::real}});
+    std::vector<MovedVertex> all;
+    for (const GroupSolution& s : rivers_.solution) all.insert(all.end(), s.moved.begin(), s.moved.end());
+    std::sort(all.begin(), all.end(),
+              [](const MovedVertex& a, const MovedVertex& b) { return a.position < b.position; });
+    for (const MovedVertex& v : all) {
+      const auto bound = rivers_.bound.find(v.point);
+      const bool is_way = bound != rivers_.bound.end() && bound->second.is_way;
+      const char* kind = figures_.height.contains(v.point) ? "river" : is_way ? "outlet chain or lake" : "terrain";
+      file_.add_point(
+          layer, at(v.position, v.after),
+          Values{std::string(kind), lattice_.z(v.before), lattice_.z(v.after), z_between(v.after, v.before)});
+    }
+  }
+
+  void add_contradictions() {
+    const int layer = file_.add_layer(
+        "contradictions", VectorGeometry::point, false,
+        Fields{{"constraint", FieldType::text}, {"missing", FieldType::real}, {"reason", FieldType::text}});
+    std::vector<std::tuple<LatticePoint, std::string, double, std::string>> all;
+    for (const GroupSolution& s : rivers_.solution)
+      for (const BrokenPlace& place : s.broken)
+        all.emplace_back(place.at, name_of(place.kind), place.missing, reason_of(s, place));
+    std::sort(all.begin(), all.end());
+    for (const auto& [place, kind, missing, reason] : all)
+      file_.add_point(layer, at(place, 0), Values{kind, missing, reason});
+  }
+
+  void add_mouths() {
+    static constexpr const char* kKinds[] = {"at an outlet", "with an outlet chain", "closed in by its own river"};
+    const int mouths = file_.add_layer("mouths", VectorGeometry::point, true, Fields{{"kind", FieldType::text}});
+    for (std::size_t i = 0; i < network_.mouth.size(); ++i)
+      file_.add_point(mouths, at(network_.position[network_.mouth[i]], final_height(network_.mouth[i])),
+                      Values{std::string(kKinds[network_.mouth_kind[i]])});
+    const int chains =
+        file_.add_layer("outlet_chains", VectorGeometry::line, true, Fields{{"length", FieldType::real}});
+    for (const auto& [from, to] : network_.chain) file_.add_line(chains, line_of({from, to}), Values{length(from, to)});
+  }
+
+  void add_lines() {
+    std::vector<std::int64_t> edges(input_.lines.size(), 0), in_cycle(input_.lines.size(), 0);
+    for (const std::uint32_t line : network_.line) ++edges[line];
+    for (std::size_t c = 0; c + 1 < network_.cycle_begin.size(); ++c)
+      for (std::uint32_t i = network_.cycle_begin[c]; i < network_.cycle_begin[c + 1]; ++i) {
+        std::int64_t& state = in_cycle[network_.cycle[i]];
+        state = std::max<std::int64_t>(state, i == network_.cycle_begin[c] ? 2 : 1);
+      }
+    const Fields fields{{"source_layer", FieldType::integer},
+                        {"source_feature", FieldType::integer},
+                        {"river", FieldType::text},
+                        {"turned", FieldType::integer},
+                        {"drop", FieldType::real},
+                        {"river_edges", FieldType::integer},
+                        {"cycle", FieldType::text}};
+    const auto add_one = [&](int layer, std::uint32_t line) {
+      static constexpr const char* kCycle[] = {"", "in a circle", "left out of a circle"};
+      std::vector<VectorPoint> points;
+      for (const auto& p : input_.lines.ring(input_.lines.ring_begin[line])) points.push_back({p[0], p[1], 0});
+      if (network_.is_turned[line] != 0) std::reverse(points.begin(), points.end());
+      file_.add_line(layer, points,
+                     Values{std::int64_t{input_.lines.layer[line]}, input_.lines.feature[line], input_.name[line],
+                            std::int64_t{network_.is_turned[line]}, network_.drop[line] * lattice_.scale_z, edges[line],
+                            std::string(kCycle[in_cycle[line]])});
+    };
+    const int all = file_.add_layer("lines", VectorGeometry::line, false, fields);
+    for (std::uint32_t line = 0; line < input_.lines.size(); ++line) add_one(all, line);
+    const int rising = file_.add_layer("lines_that_rise", VectorGeometry::line, false, fields);
+    for (const std::uint32_t line : network_.disagrees) add_one(rising, line);
+  }
+
+ private:
+  [[nodiscard]] double z_between(std::int32_t high, std::int32_t low) const {
+    return static_cast<double>(std::int64_t{high} - low) * lattice_.scale_z;
+  }
+  [[nodiscard]] VectorPoint at(LatticePoint p, std::int32_t h) const {
+    return {lattice_.x(p.x), lattice_.y(p.y), lattice_.z(h)};
+  }
+  [[nodiscard]] std::int32_t final_height(std::uint32_t v) const {
+    const auto found = figures_.height.find(network_.point[v]);
+    return found != figures_.height.end() ? found->second : embedded(rivers_, v);
+  }
+  [[nodiscard]] double length(std::uint32_t a, std::uint32_t b) const {
+    return std::hypot(static_cast<double>(std::int64_t{network_.position[b].x} - network_.position[a].x),
+                      static_cast<double>(std::int64_t{network_.position[b].y} - network_.position[a].y)) *
+           lattice_.scale_xy;
+  }
+  [[nodiscard]] std::vector<VectorPoint> line_of(const std::vector<std::uint32_t>& vertices) const {
+    std::vector<VectorPoint> out;
+    for (const std::uint32_t v : vertices) out.push_back(at(network_.position[v], final_height(v)));
+    return out;
+  }
+
+  const RunContext& context_;
+  const EmbeddedRivers& rivers_;
+  const RiverNetwork& network_;
+  const RiverInput& input_;
+  const RiverFigures& figures_;
+  const Lattice& lattice_;
+  GeoPackageWriter& file_;
+};
+
+ordered_json to_json(const std::string& name, const RiverRow& r) {
+  return {{"name", name},
+          {"edges", r.edges},
+          {"length", r.length},
+          {"drop_before", r.drop_before},
+          {"drop_after", r.drop_after},
+          {"wrong_flow_before", r.wrong_flow_before},
+          {"not_valley_before", r.not_valley_before},
+          {"flat_before", r.flat_before},
+          {"leak_vertices_before", r.leaks_before},
+          {"wrong_flow_after", r.wrong_flow_after},
+          {"not_valley_after", r.not_valley_after},
+          {"flat_after", r.flat_after},
+          {"leak_vertices_after", r.leaks_after},
+          {"vertices_moved", r.moved},
+          {"total_change", r.total},
+          {"average_change", r.moved > 0 ? r.total / static_cast<double>(r.moved) : 0.0},
+          {"max_change", r.largest}};
+}
+
+}  // namespace
+
+std::vector<std::uint64_t> laid_rim_minima(const RunContext& context) {
+  std::vector<std::pair<std::uint64_t, std::uint8_t>> rim;
+  for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t) {
+    const store::Reader in(context.layout.unit(Phase::lay, t));
+    const auto point = in.read<std::uint64_t>("rim");
+    const auto has_lower = in.read<std::uint8_t>("rim_has_lower");
+    for (std::size_t i = 0; i < point.size() && i < has_lower.size(); ++i) {
+      if (PointId(point[i]).tile() >= context.plan.num_tiles())
+        throw Error(ErrorKind::storage,
+                    in.path() + ": a rim vertex is of a tile that does not exist; delete the file and run again");
+      rim.emplace_back(point[i], has_lower[i]);
+    }
+  }
+  std::sort(rim.begin(), rim.end());
+  std::vector<std::uint64_t> out(context.plan.num_tiles());
+  for (std::size_t i = 0; i < rim.size(); ++i) {
+    if (i + 1 < rim.size() && rim[i + 1].first == rim[i].first) continue;
+    out[PointId(rim[i].first).tile()] += rim[i].second == 0;  // the last entry of a point knows of a lower one, if any
+  }
+  return out;
+}
+
+RiverFigures collect_river_figures(const RunContext& context) {
+  const EmbeddedRivers& rivers = *context.rivers;
+  RiverFigures out;
+  read_files(context, out);
+  out.edges = rivers.network.river.size();
+  out.chain_edges = rivers.network.chain.size();
+  out.lakes = rivers.network.lake.size();
+  out.groups = rivers.network.num_groups();
+  out.names = name_rivers(context, rivers.network);
+  out.row.resize(out.names.name.size());
+  for (const auto& edge : out.invalid)
+    out.unexpected += std::binary_search(rivers.contradicted.begin(), rivers.contradicted.end(), edge) ? 0 : 1;
+  std::unordered_map<std::uint64_t, std::uint8_t> seen;
+  for (const auto& edge : rivers.network.river)
+    for (const std::uint32_t v : {edge.from, edge.to}) {
+      const auto final_height = out.height.find(rivers.network.point[v]);
+      if (final_height == out.height.end() || !seen.emplace(rivers.network.point[v], 1).second) continue;
+      out.raised += final_height->second != embedded(rivers, v) ? 1 : 0;
+    }
+  for (const GroupSolution& s : rivers.solution) {
+    out.solved_together += s.group.size() > 1 ? s.group.size() : 0;
+    out.moved += s.moved.size();
+    out.rows += s.rows;
+    out.columns += s.columns;
+    out.broken += s.broken.size();
+    out.clamped += s.clamped;
+    out.total += s.objective;
+    out.bound += s.bound;
+    out.optimal = out.optimal && s.optimal;
+    for (const MovedVertex& v : s.moved)
+      out.largest = std::max(
+          out.largest, std::abs(static_cast<double>(std::int64_t{v.after} - v.before)) * context.plan.lattice.scale_z);
+    for (const RiverShare& share : s.table) {
+      if (share.river >= out.row.size())
+        throw Error(ErrorKind::storage,
+                    context.layout.unit(Phase::unite, 0) +
+                        ": a table is of a river that does not exist; delete the file and run again");
+      add(out.row[share.river], share.row);
+    }
+  }
+  out.order.resize(out.row.size());
+  std::iota(out.order.begin(), out.order.end(), 0u);
+  std::stable_sort(out.order.begin(), out.order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return out.row[a].length > out.row[b].length; });
+  return out;
+}
+
+void write_river_store(const RunContext& context) {
+  const RiverNetwork& network = context.rivers->network;
+  std::vector<std::int32_t> xyz;
+  for (std::uint32_t v = network.num_vertices() - network.num_new; v < network.num_vertices(); ++v)
+    xyz.insert(xyz.end(), {network.position[v].x, network.position[v].y, network.height[v]});
+  std::vector<std::uint64_t> edge;
+  for (const auto& [from, to] : context.rivers->contradicted) edge.insert(edge.end(), {from, to});
+  store::Writer out(context.layout.rivers());
+  out.set("recipe", context.recipe(Phase::report));
+  out.append("new_xyz", xyz,
+             "vertices that rivers added, lattice; entry i is the point (number of tiles) << 32 | i of the files");
+  out.append("contradicted_edge", edge, "river edges that no heights make valid: from, to; tile << 32 | index");
+  out.commit();
+}
+
+void write_to_index(const RunContext& context, const RiverFigures& figures, store::Writer& out) {
+  const RiverConstraints& rows = context.options.rivers.constraints;
+  out.set("river_edges", static_cast<std::int64_t>(figures.edges));
+  out.set("invalid_river_edges", static_cast<std::int64_t>(figures.invalid.size()));
+  out.set("river_flow", std::int64_t{rows.flow});
+  out.set("river_valley", std::int64_t{rows.valley});
+}
+
+std::string rivers_json(const RunContext& context, const RiverFigures& f) {
+  ordered_json steps = ordered_json::object(), table = ordered_json::array(), broken = ordered_json::object();
+  for (const auto& [name, number] : context.rivers->network.counts) steps[name] = number;
+  for (const std::uint32_t r : f.order) table.push_back(to_json(f.names.name[r], f.row[r]));
+  for (const GroupSolution& s : context.rivers->solution)
+    for (const BrokenPlace& place : s.broken) {
+      auto& count = broken[name_of(place.kind)];
+      count = count.is_null() ? 1 : count.get<int>() + 1;
+    }
+  const ordered_json out = {{"river_edges", f.edges},
+                            {"invalid_river_edges", f.invalid.size()},
+                            {"outlet_chain_edges", f.chain_edges},
+                            {"lakes", f.lakes},
+                            {"groups", f.groups},
+                            {"groups_solved_together", f.solved_together},
+                            {"vertices_added", context.rivers->network.num_new},
+                            {"vertices_moved", f.moved},
+                            {"river_vertices_moved_by_pits", f.raised},
+                            {"objective", f.total},
+                            {"bound", f.bound},
+                            {"optimal", f.optimal},
+                            {"max_change", f.largest},
+                            {"rows", f.rows},
+                            {"columns", f.columns},
+                            {"contradictions", f.broken},
+                            {"contradictions_by_constraint", broken},
+                            {"clamped_networks", f.clamped},
+                            {"all", to_json("all", sum_of(f))},
+                            {"rivers", table},
+                            {"lines", steps}};
+  return out.dump();
+}
+
+void write_text(const RunContext& context, const RiverFigures& f, std::ostream& out) {
+  char line[256];
+  const auto row = [&](const char* label, auto value) {
+    out << label
+        << std::string(std::max<std::size_t>(std::char_traits<char>::length(label), 27) + 1 -
+                           std::char_traits<char>::length(label),
+                       ' ')
+        << value << '\n';
+  };
+  const RiverRow all = sum_of(f);
+  out << "\nRivers\n";
+  row("  river edges", f.edges);
+  row("  invalid in the end", f.invalid.size());
+  row("  wrong flow before", all.wrong_flow_before);
+  row("  not valley before", all.not_valley_before);
+  row("  edges of outlet chains", f.chain_edges);
+  row("  vertices added", context.rivers->network.num_new);
+  row("  vertices moved", f.moved);
+  row("  total change", f.total);
+  row("  largest change", f.largest);
+  row("  optimal", f.optimal ? "yes" : "no");
+  row("  contradictions", f.broken);
+  out << "\nLines\n";
+  for (const auto& [name, number] : context.rivers->network.counts) {
+    std::string words = "  " + name;
+    std::replace(words.begin(), words.end(), '_', ' ');
+    row(words.c_str(), number);
+  }
+  std::snprintf(line, sizeof line, "\n%-28s %7s %11s %15s %15s %11s %11s %8s %11s %9s\n", "river", "edges", "length",
+                "wrong flow", "not valley", "flat", "leaks", "moved", "change", "average");
+  out << line;
+  for (std::size_t i = 0; i < f.order.size(); ++i) {
+    if (i == kMostRivers) {
+      out << "and " << f.order.size() - i << " more: see report.json\n";
+      break;
+    }
+    const RiverRow& r = f.row[f.order[i]];
+    const auto pair = [](std::uint64_t a, std::uint64_t b) { return std::to_string(a) + " > " + std::to_string(b); };
+    std::snprintf(line, sizeof line, "%-28.28s %7llu %11.0f %15s %15s %11s %11s %8llu %11.2f %9.3f\n",
+                  f.names.name[f.order[i]].c_str(), static_cast<unsigned long long>(r.edges), r.length,
+                  pair(r.wrong_flow_before, r.wrong_flow_after).c_str(),
+                  pair(r.not_valley_before, r.not_valley_after).c_str(), pair(r.flat_before, r.flat_after).c_str(),
+                  pair(r.leaks_before, r.leaks_after).c_str(), static_cast<unsigned long long>(r.moved), r.total,
+                  r.moved > 0 ? r.total / static_cast<double>(r.moved) : 0.0);
+    out << line;
+  }
+}
+
+std::vector<std::string> write_river_profiles(const RunContext& context, const RiverFigures& f) {
+  constexpr std::size_t kMostProfiles = 40;
+  const EmbeddedRivers& rivers = *context.rivers;
+  const RiverNetwork& network = rivers.network;
+  const Lattice& l = context.plan.lattice;
+  // Rivers by length, as the stems are asked for.
+  std::vector<std::uint32_t> place(f.order.size()), river;
+  for (std::uint32_t i = 0; i < f.order.size(); ++i) place[f.order[i]] = i;
+  for (const std::uint32_t r : f.names.river) river.push_back(place[r]);
+  std::vector<std::array<double, 2>> position;
+  std::vector<double> before, after;
+  for (std::uint32_t v = 0; v < network.num_vertices(); ++v) {
+    position.push_back({network.position[v].x * l.scale_xy, network.position[v].y * l.scale_xy});
+    before.push_back(l.z(network.height[v]));
+    const auto found = f.height.find(network.point[v]);
+    after.push_back(l.z(found != f.height.end() ? found->second : embedded(rivers, v)));
+  }
+  const MainStems stems =
+      main_stems({position, before, {}}, network.river, river, static_cast<std::uint32_t>(f.order.size()));
+  std::vector<std::string> out;
+  for (std::size_t g = 0; g < f.order.size() && g < kMostProfiles; ++g) {
+    std::vector<double> along, then, now;
+    for (std::size_t i = stems.begin[g]; i < stems.begin[g + 1]; ++i) {
+      const std::uint32_t v = stems.vertex[i], u = i > stems.begin[g] ? stems.vertex[i - 1] : v;
+      along.push_back((along.empty() ? 0 : along.back()) +
+                      std::hypot(position[v][0] - position[u][0], position[v][1] - position[u][1]));
+      then.push_back(before[v]);
+      now.push_back(after[v]);
+    }
+    if (along.empty()) continue;
+    const std::string& name = f.names.name[f.order[g]];
+    out.push_back(context.layout.profiles() + "/" + profile_file_name(g, name));
+    write_profile_svg(out.back(), name, along, then, now);
+  }
+  return out;
+}
+
+void write_river_layers(const RunContext& context, const RiverFigures& figures, GeoPackageWriter& out) {
+  LayerWriter layers(context, figures, out);
+  layers.add_edges();
+  layers.add_moved();
+  layers.add_contradictions();
+  layers.add_mouths();
+  layers.add_lines();
+}
+
+}  // namespace hydrotin

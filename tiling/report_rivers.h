@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <iosfwd>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "hydrotin/vector.h"
+#include "phases.h"
+#include "river_store.h"
+
+/// What the report says of rivers, and their layers.
+
+namespace hydrotin {
+
+struct RiverFigures {
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> invalid;  ///< river edges in the final heights, ascending
+  std::uint64_t edges = 0, chain_edges = 0, lakes = 0, groups = 0, solved_together = 0;
+  std::unordered_map<std::uint64_t, std::int32_t> height;  ///< final, of river vertices by point; lattice
+  std::uint64_t raised = 0;                                ///< river vertices that the step against pits moved
+  std::uint64_t unexpected = 0;                            ///< invalid ones that no contradiction explains
+  std::uint64_t moved = 0, rows = 0, columns = 0, broken = 0, clamped = 0;
+  double total = 0, largest = 0, bound = 0;  ///< change of heights, in their unit
+  bool optimal = true;
+  RiverNames names;
+  std::vector<RiverRow> row;         ///< [rivers]
+  std::vector<std::uint32_t> order;  ///< rivers, longest first
+};
+
+/// Precondition: the context has rivers.
+[[nodiscard]] RiverFigures collect_river_figures(const RunContext& context);
+
+/// [tiles] Vertices on rims without a lower neighbour in any part, by the tile that owns them, before the rivers.
+[[nodiscard]] std::vector<std::uint64_t> laid_rim_minima(const RunContext& context);
+
+/// terrain/rivers.h5: what files of tiles do not tell.
+void write_river_store(const RunContext& context);
+void write_to_index(const RunContext& context, const RiverFigures& figures, store::Writer& out);
+
+[[nodiscard]] std::string rivers_json(const RunContext& context, const RiverFigures& figures);
+void write_text(const RunContext& context, const RiverFigures& figures, std::ostream& out);
+
+/// Longitudinal profiles of the longest rivers, in a folder that holds no others afterwards. Returns their paths.
+std::vector<std::string> write_river_profiles(const RunContext& context, const RiverFigures& figures);
+
+/// Layers river_edges, moved_vertices, contradictions, mouths, outlet_chains, lines and lines_that_rise.
+void write_river_layers(const RunContext& context, const RiverFigures& figures, GeoPackageWriter& out);
+
+}  // namespace hydrotin

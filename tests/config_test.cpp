@@ -54,7 +54,7 @@ TEST(Config, Defaults_SuitClassifiedGround) {
   EXPECT_EQ(options.tiles.target_points, 4'000'000U);
   EXPECT_EQ(options.triangulation.order, 2);
   EXPECT_EQ(options.triangulation.objectives, Objectives{Objective::local_minima});
-  EXPECT_EQ(options.pits.method, PitMethod::lift);
+  EXPECT_EQ(options.pits.method, PitMethod::least_change);
   EXPECT_EQ(options.pits.measure, ChangeMeasure::total);
   EXPECT_FALSE(options.pits.keep.any());
   EXPECT_FALSE(options.pits.voids_drain);

@@ -9,7 +9,7 @@ namespace hydrotin {
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr std::uint64_t kMemberBytes = 700;  // of a group that is solved, with all around it
+constexpr std::uint64_t kMemberBytes = 450;  // of a group that is solved, with all around it
 
 struct TilePieces {
   std::uint32_t first = 0, num_pieces = 0;  // number of its first piece in the joiner; then come its flats

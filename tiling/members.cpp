@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <limits>
-#include <numeric>
+#include <optional>
+#include <tuple>
 
 #include "edits_file.h"
 #include "hydrotin/lifting.h"
@@ -39,8 +40,7 @@ class TileMembers {
     if (context_.options.pits.method == PitMethod::lift) return;
     // Points are two ascending runs: the tile's own, then those of others.
     const auto middle = std::is_sorted_until(surface_.point.begin(), surface_.point.end());
-    const auto add = [&](const store::Reader& in) {
-      const auto members = read_path_members(in);
+    const auto add = [&](const std::vector<std::pair<std::uint64_t, std::int32_t>>& members) {
       for (const auto& [first, last] : {std::pair{surface_.point.begin(), middle}, {middle, surface_.point.end()}}) {
         auto at = first;
         for (const auto& [point, level] : members) {
@@ -53,9 +53,32 @@ class TileMembers {
         }
       }
     };
-    add(store::Reader(context_.layout.unit(Phase::pools, tile_)));
-    for (std::uint32_t t = 0; t < context_.plan.num_tiles(); ++t)
-      add(store::Reader(context_.layout.unit(Phase::breach, t)));
+    add(read_path_members(store::Reader(context_.layout.unit(Phase::pools, tile_))));
+    std::optional<store::Reader> in;
+    std::uint32_t open_unit = kNone;
+    for (const MemberRange& range : ranges_of_breaches()) {
+      if (range.unit != open_unit) in.emplace(context_.layout.unit(Phase::breach, range.unit));
+      open_unit = range.unit;
+      add(read_path_members(*in, range.first, range.count));
+    }
+  }
+
+  // Where the outputs of `breach` have members among the points of the tiles that this one has points of.
+  [[nodiscard]] std::vector<MemberRange> ranges_of_breaches() const {
+    std::vector<std::uint32_t> owners;
+    for (const std::uint64_t point : surface_.point)
+      if (owners.empty() || owners.back() != PointId(point).tile()) owners.push_back(PointId(point).tile());
+    std::sort(owners.begin(), owners.end());
+    owners.erase(std::unique(owners.begin(), owners.end()), owners.end());
+    std::vector<MemberRange> out;
+    for (const std::uint32_t owner : owners) {
+      const auto ranges = context_.breach_index->ranges_of(owner, context_.layout, context_.plan.num_tiles());
+      out.insert(out.end(), ranges.begin(), ranges.end());
+    }
+    std::sort(out.begin(), out.end(), [](const MemberRange& a, const MemberRange& b) {
+      return std::tie(a.unit, a.first) < std::tie(b.unit, b.first);
+    });
+    return out;
   }
 
   // Groups that other tiles may belong to become pieces; the others are components.

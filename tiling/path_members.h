@@ -19,9 +19,16 @@ struct PathMembers {
 
   void add(const Surface& surface, const LakeBreaches& found);
   void write(store::Writer& out);
+  /// After `write`: the tiles whose points are members, for `BreachIndex`: `member_tile` u32 [K] ascending,
+  /// `member_tile_begin` u64 [K + 1] offsets into the members.
+  void write_tiles(store::Writer& out) const;
 };
 
 [[nodiscard]] std::vector<std::pair<std::uint64_t, std::int32_t>> read_path_members(const store::Reader& in);
+/// Entries first .. first + count only.
+[[nodiscard]] std::vector<std::pair<std::uint64_t, std::int32_t>> read_path_members(const store::Reader& in,
+                                                                                    std::uint64_t first,
+                                                                                    std::uint64_t count);
 
 /// From `drain`.
 [[nodiscard]] OutletHeights lowest_outlets_of(const RunContext& context);

@@ -23,7 +23,7 @@ std::string RecipeHash::hex() const {
 }
 
 std::string recipe(const std::string& plan_recipe, const PipelineOptions& options, Phase phase) {
-  constexpr std::int64_t kFormat = 4;
+  constexpr std::int64_t kFormat = 5;
   RecipeHash hash;
   hash.add(kFormat).add(plan_recipe).add(std::string(name(phase)));
   if (phase >= Phase::thin && options.thin.vertical_error_m)

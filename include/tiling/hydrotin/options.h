@@ -88,7 +88,7 @@ struct KeepPits {
 };
 
 struct PitOptions {
-  PitMethod method = PitMethod::lift;
+  PitMethod method = PitMethod::least_change;
   ChangeMeasure measure = ChangeMeasure::total;
   std::optional<double> max_breach_length_m;  ///< of one breach, horizontally; none: no limit
   std::optional<double> max_breach_depth_m;   ///< by which a vertex may be lowered; none: no limit

@@ -11,6 +11,8 @@
 
 #include "expected_error.h"
 #include "hydrotin/error.h"
+#include "hydrotin/lake_bound.h"
+#include "hydrotin/lifting.h"
 #include "hydrotin/pit_choice.h"
 #include "hydrotin/pit_removal.h"
 #include "hydrotin/vector.h"
@@ -101,6 +103,13 @@ std::vector<std::int32_t> removed(const Whole& w, const PitOptions& pits, std::s
   return remove_pits(terrain, removal_of(pits)).height;
 }
 
+/// In lattice units or vertices.
+double bound_of_lakes(const Whole& w, const PitOptions& pits) {
+  const ChangeableTerrain terrain{&w.graph, w.height, w.position, w.on_hull, {}, {}, {}};
+  const auto level = lift(w.graph, w.height, w.on_hull);
+  return std::ceil(static_cast<double>(sum_of_lake_bounds(terrain, level, pits.measure)) / double{kBoundShares});
+}
+
 PipelineOptions options_of(const Terrain& terrain, const std::string& out, std::uint64_t target) {
   PipelineOptions options = testing::options_for(terrain.files, out);
   options.pits.method = PitMethod::least_change;
@@ -127,6 +136,7 @@ TEST(TiledPits, EveryMethodAndMeasureEqualsTheWhole) {
       pits.method = method;
       pits.measure = measure;
       const std::string expected = whole.fingerprint(removed(whole, pits, whole.on_hull));
+      const double of_lakes = bound_of_lakes(whole, pits);
       for (const std::uint64_t target : {std::uint64_t{6'000}, std::uint64_t{1'500}}) {
         SCOPED_TRACE(std::to_string(static_cast<int>(method)) + " " + std::to_string(static_cast<int>(measure)) + " " +
                      std::to_string(target));
@@ -138,6 +148,16 @@ TEST(TiledPits, EveryMethodAndMeasureEqualsTheWhole) {
         const DatasetSummary got = run(options);
         EXPECT_EQ(got.fingerprint, expected);
         EXPECT_TRUE(got.ok);
+        const auto report =
+            nlohmann::json::parse(testing::bytes_of(options.output.dir + "/report.json"))["pit_removal"];
+        const double cost = report["cost"], bound = report["bound"];
+        EXPECT_LE(bound, cost);
+        if (method == PitMethod::lift) {
+          EXPECT_EQ(bound, cost);
+        } else if (measure == ChangeMeasure::total || measure == ChangeMeasure::count) {
+          EXPECT_NEAR(bound, of_lakes * (measure == ChangeMeasure::total ? 0.01 : 1), 1e-6);
+          EXPECT_GT(bound, (measure == ChangeMeasure::total ? 0.01 : 0.2) * cost);
+        }
         if (serial % 4 == 0) expect_checked(options.output.dir);
         std::filesystem::remove_all(options.output.dir);
       }

@@ -130,6 +130,7 @@ std::vector<OpenLake> breach_batch(const RunContext& context, std::span<const Op
   std::sort(vertex_of.begin(), vertex_of.end());
   LakeBreacher breacher(changeable.view(), window.level, is_known, lowest_outlets_of(context), reach_of(options),
                         options.measure, options.limits);
+  LakeBound bound(changeable.view(), window.level, is_known, options.measure);
   std::vector<OpenLake> still_open;
   LakeBreaches found;
   for (const OpenLake& lake : lakes) {
@@ -137,10 +138,11 @@ std::vector<OpenLake> breach_batch(const RunContext& context, std::span<const Op
     if (at == vertex_of.end() || at->first != lake.seed)
       throw Error(ErrorKind::storage, context.layout.unit(Phase::lakes, 0) +
                                           ": a lake's vertex is not in its cells; delete the file and run again");
-    (void)breacher.lake_around(at->second);
+    const auto vertices = breacher.lake_around(at->second);
     breacher.run(found);
+    const std::int64_t lake_bound = bound.run(vertices, found.unknown);
     if (found.unknown.empty()) {
-      members.add(window, found);
+      members.add(window, found, lake_bound);
     } else {
       still_open.push_back(lake);
       add_cells(grid, window, found.unknown, still_open.back());

@@ -3,14 +3,20 @@
 #include <algorithm>
 
 namespace hydrotin {
+namespace {
 
-void PathMembers::add(const Surface& surface, const LakeBreaches& found) {
+constexpr Wide kLowBits = (Wide{1} << 62) - 1;
+
+}  // namespace
+
+void PathMembers::add(const Surface& surface, const LakeBreaches& found, std::int64_t lake_bound) {
   for (std::size_t i = 0; i < found.vertex.size(); ++i)
     member.emplace_back(surface.point[found.vertex[i]], found.level[i]);
   num_pits += static_cast<std::int64_t>(found.pit.size());
   num_unbreached += static_cast<std::int64_t>(found.num_unbreached);
   num_unfinished += static_cast<std::int64_t>(found.num_unfinished);
   dearest = std::max(dearest, found.dearest);
+  bound += lake_bound;
 }
 
 void PathMembers::write(store::Writer& out) {
@@ -29,6 +35,8 @@ void PathMembers::write(store::Writer& out) {
   out.set("pits_unbreached", num_unbreached);
   out.set("pits_unfinished", num_unfinished);
   out.set("dearest_breach", dearest);
+  out.set("bound_high", static_cast<std::int64_t>(bound >> 62));
+  out.set("bound_low", static_cast<std::int64_t>(bound & kLowBits));
 }
 
 void PathMembers::write_tiles(store::Writer& out) const {
@@ -58,6 +66,10 @@ std::vector<std::pair<std::uint64_t, std::int32_t>> read_path_members(const stor
   std::vector<std::pair<std::uint64_t, std::int32_t>> out;
   for (std::size_t i = 0; i < point.size(); ++i) out.emplace_back(point[i], level[i]);
   return out;
+}
+
+Wide read_bound(const store::Reader& in) {
+  return static_cast<Wide>(in.integer("bound_high")) << 62 | in.integer("bound_low");
 }
 
 OutletHeights lowest_outlets_of(const RunContext& context) {

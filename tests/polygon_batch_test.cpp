@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <set>
-#include <thread>
 #include <vector>
 
 #include "clouds.h"
+#include "executors.h"
 #include "hydrotin/point_set.h"
 #include "order_k_scene.h"
 
@@ -195,19 +194,7 @@ TEST(OrderKTriangles, OfPolygonsAreThoseOfTheWhole) {
 TEST(OrderK, IsTheSameForEveryExecutor) {
   const auto points = testing::distinct(testing::make_cloud(testing::CloudKind::scanlines, 5, 60'000, 60));
   const Scene s(points, 3, testing::random_heights(5, points.size(), 50));
-  const Executor backwards = [](std::uint32_t count, const std::function<void(std::uint32_t)>& work) {
-    for (std::uint32_t i = count; i-- > 0;) work(i);
-  };
-  const Executor threads = [](std::uint32_t count, const std::function<void(std::uint32_t)>& work) {
-    std::atomic<std::uint32_t> following{0};
-    const auto share = [&] {
-      for (std::uint32_t i; (i = following++) < count;) work(i);
-    };
-    std::thread other(share);
-    share();
-    other.join();
-  };
-  for (const Executor& executor : {backwards, threads}) {
+  for (const Executor& executor : {Executor(testing::backwards), Executor(testing::on_four_threads)}) {
     const UsefulEdges edges = useful_edges(s.tri(), s.links, 3, executor);
     EXPECT_EQ(edges.begin, s.edges.begin);
     EXPECT_EQ(edges.b, s.edges.b);

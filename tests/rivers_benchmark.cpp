@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "executors.h"
 #include "full_displacement_program.h"
 #include "hydrotin/hilbert.h"
 #include "hydrotin/line_snapping.h"
@@ -107,7 +108,7 @@ void add_brooks(const LatticeTerrain& terrain, const std::vector<double>& smooth
 
 // A network all over: carved mountains sampled at random in each cell of SIDE x SIDE, the drainage lines snapped to
 // them.
-void run_network(std::uint32_t side) {
+void run_network(std::uint32_t side, bool in_parallel) {
   SyntheticOptions options;
   options.num_points = std::uint64_t{100} * side * side;
   const SyntheticTerrain synthetic(options);
@@ -178,6 +179,7 @@ void run_network(std::uint32_t side) {
     EmbeddingOptions embedding;
     embedding.constraints.chain = chain;
     embedding.quantum = quantum;
+    if (in_parallel) embedding.executor = testing::on_four_threads;
     const Embedding e = embed_rivers(view, network.edge, embedding);
     lap(quantum > 0 ? "VFRS 10 %, millimetres" : "VFRS 10 %");
     const auto after = river_statistics(view, network.edge, e.height, quantum > 0 ? 0 : 1e-7);
@@ -196,7 +198,8 @@ void run_network(std::uint32_t side) {
 
 int main(int argc, char** argv) {
   if (argc > 1 && std::string(argv[1]) == "network") {
-    run_network(argc > 2 ? static_cast<std::uint32_t>(std::atoi(argv[2])) : 1000);
+    run_network(argc > 2 ? static_cast<std::uint32_t>(std::atoi(argv[2])) : 1000,
+                argc > 3 && std::string(argv[3]) == "parallel");
     return 0;
   }
   const Terrain t = make_terrain(argc > 1 ? static_cast<std::uint32_t>(std::atoi(argv[1])) : 350);

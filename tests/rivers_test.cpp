@@ -6,6 +6,7 @@
 #include <numeric>
 #include <random>
 
+#include "executors.h"
 #include "hydrotin/river_burning.h"
 #include "hydrotin/river_embedding.h"
 #include "hydrotin/river_statistics.h"
@@ -83,6 +84,29 @@ TEST(RiverEmbedding, Objective_EqualsThatOfTheFullProgramInEveryVariant) {
   }
   EXPECT_GT(solved, 700);
   EXPECT_GT(contradictory, 20);
+}
+
+TEST(RiverEmbedding, IsTheSameForEveryExecutor) {
+  std::uint32_t components = 0;
+  for (std::uint32_t seed = 0; seed < 20; ++seed) {
+    SCOPED_TRACE(seed);
+    TestTerrain terrain = random_terrain(seed, 400, seed % 3 == 0);
+    add_rivers(terrain, seed, 12, 6, true);
+    EmbeddingOptions options;
+    options.quantum = 0.01;
+    const Embedding one = embed_rivers(terrain.view(), terrain.rivers, options);
+    components = std::max(components, one.components);
+    for (const Executor& executor : {Executor(testing::backwards), Executor(testing::on_four_threads)}) {
+      options.executor = executor;
+      const Embedding other = embed_rivers(terrain.view(), terrain.rivers, options);
+      EXPECT_EQ(other.height, one.height);
+      EXPECT_EQ(other.objective, one.objective);
+      EXPECT_EQ(other.bound, one.bound);
+      EXPECT_EQ(other.rows, one.rows);
+      EXPECT_EQ(other.iterations, one.iterations);
+    }
+  }
+  EXPECT_GT(components, 3u);
 }
 
 TEST(RiverEmbedding, Quantum_EveryEdgeIsValidInExactArithmetic) {

@@ -23,6 +23,7 @@
 #include "hydrotin/river_embedding.h"
 #include "hydrotin/river_statistics.h"
 #include "profile_svg.h"
+#include "worker_executor.h"
 
 namespace hydrotin::app {
 namespace {
@@ -272,6 +273,7 @@ int embed(const EmbedArguments& arguments) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(arguments.time_limit);
     options.stop = [end] { return std::chrono::steady_clock::now() >= end; };
   }
+  options.executor = worker_executor(arguments.workers);
   const RiverTerrain terrain = input.terrain();
   const double tolerance = options.quantum > 0 ? 0 : kUnstoredTolerance;
   EmbedResult result;

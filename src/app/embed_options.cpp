@@ -214,6 +214,9 @@ void add_embed_options(CLI::App& command, EmbedArguments& arguments) {
   command.add_option("--max-change", arguments.max_change, "of each vertex")->type_name("M");
   command.add_option("--quantum", arguments.quantum, "heights that move become multiples of it")->type_name("M");
   command.add_option("--time-limit", arguments.time_limit, "end with what there is, and the bound")->type_name("S");
+  command.add_option("--workers", arguments.workers, "threads; 0: all cores")
+      ->type_name("N")
+      ->check(CLI::NonNegativeNumber);
   command.add_option("--method", arguments.method, "lp, or dp: river vertices only, exact and strongly polynomial")
       ->capture_default_str();
   command.add_option("--out", arguments.out, "write the TIN with its rivers")->type_name("TIN.ply");

@@ -27,6 +27,7 @@ struct EmbedArguments {
   std::string preserve_edges, preserve = "drainage";  ///< file of edges; drainage, curvature, both
   std::string triangle_slope_limit = "50%";
   std::string layers, profiles, points_out;
+  int workers = 0;                        ///< threads; 0: all cores
   std::uint32_t triangle_directions = 0;  ///< limited in so many directions; 0: not
   double side_slope = 0, max_change = 0, quantum = 0, time_limit = 0;
   bool no_flow = false, no_valley = false, river_only = false, json = false, use_z = false;

@@ -9,18 +9,26 @@ namespace hydrotin {
 
 // Where the edge stands, or the free place where it would. Vertices near each other have numbers near each other, so
 // that a linear hash keeps the table's places for a region together; the edges of one vertex are spread evenly.
-std::size_t PolygonGraph::slot_of(std::uint32_t origin, std::uint32_t target) const {
-  const auto [low, high] = std::minmax(origin, target);
+std::size_t PolygonGraph::slot_of(std::uint32_t low, std::uint32_t high) const {
   const std::size_t mask = slot_.size() - 1;
   std::size_t i = (std::size_t{9} * low + std::size_t{7} * high) & mask;
-  for (; slot_[i].edge != kNoEdge; i = (i + 1) & mask)
-    if (slot_[i].high == high && std::min(edges_[slot_[i].edge].origin, edges_[slot_[i].edge].target) == low) break;
+  while ((slot_[i].low != low || slot_[i].high != high) && slot_[i].edge != kNoEdge) i = (i + 1) & mask;
   return i;
 }
 
+// Places for the edges that there are, and for twice as many at least.
+void PolygonGraph::make_slots(std::size_t size) {
+  slot_.assign(std::bit_ceil(size), Slot{});
+  for (std::uint32_t e = 0; e < num_edges(); e += 2) {
+    const auto [low, high] = std::minmax(edges_[e].origin, edges_[e].target);
+    slot_[slot_of(low, high)] = {low, high, edges_[e].origin == low ? e : twin(e)};
+  }
+}
+
 std::uint32_t PolygonGraph::find(std::uint32_t origin, std::uint32_t target) const {
-  const std::uint32_t edge = slot_[slot_of(origin, target)].edge;
-  return edge == kNoEdge ? kNoEdge : directed(edge, origin);
+  const auto [low, high] = std::minmax(origin, target);
+  const std::uint32_t edge = slot_[slot_of(low, high)].edge;
+  return edge == kNoEdge || origin == low ? edge : twin(edge);
 }
 
 // Adds both directions.
@@ -39,11 +47,15 @@ void PolygonGraph::add(std::uint32_t origin, std::uint32_t target) {
 }
 
 std::uint32_t PolygonGraph::find_or_add(std::uint32_t origin, std::uint32_t target) {
-  Slot& slot = slot_[slot_of(origin, target)];
-  if (slot.edge != kNoEdge) return directed(slot.edge, origin);
-  slot = {std::max(origin, target), num_edges()};
+  const auto [low, high] = std::minmax(origin, target);
+  Slot& slot = slot_[slot_of(low, high)];
+  const auto turn = static_cast<std::uint32_t>(origin != low);
+  if (slot.edge != kNoEdge) return slot.edge ^ turn;
+  const std::uint32_t edge = num_edges();
+  slot = {low, high, edge ^ turn};
   add(origin, target);
-  return slot.edge;
+  if (edges_.size() > slot_.size()) make_slots(2 * slot_.size());
+  return edge;
 }
 
 // The triangle stands on each of its three sides; the other two, reversed, are what is left to solve.
@@ -81,7 +93,7 @@ void PolygonGraph::build(const PolygonProblem& problem) {
   options_.resize(3 * std::size_t{num_triangles()});
   foreign_.resize(num_triangles());
   const auto num_delaunay = static_cast<std::uint32_t>(problem.delaunay.size());
-  slot_.assign(std::bit_ceil(std::max(8 * problem.position.size(), std::size_t{4} * num_triangles())), Slot{});
+  make_slots(std::max<std::size_t>(16, 16 * problem.position.size()));
   for (std::uint32_t t = 0; t < num_delaunay; ++t) add_triangle(t, true);
   for (std::uint32_t t = num_delaunay; t < num_triangles(); ++t) add_triangle(t, false);
   for_sides([&](std::uint32_t a, std::uint32_t b) { edges_[twin(find_or_add(a, b))].is_boundary = true; });

@@ -69,12 +69,11 @@ class PolygonGraph {
 
  private:
   struct Slot {
-    std::uint32_t high = kNoEdge, edge = kNoEdge;  // larger end of the edge; its first direction
+    std::uint32_t low = 0, high = 0;  // ends
+    std::uint32_t edge = kNoEdge;     // from the smaller end to the larger one
   };
-  [[nodiscard]] std::size_t slot_of(std::uint32_t origin, std::uint32_t target) const;
-  [[nodiscard]] std::uint32_t directed(std::uint32_t edge, std::uint32_t origin) const {
-    return edges_[edge].origin == origin ? edge : twin(edge);
-  }
+  [[nodiscard]] std::size_t slot_of(std::uint32_t low, std::uint32_t high) const;
+  void make_slots(std::size_t size);
   std::uint32_t find_or_add(std::uint32_t origin, std::uint32_t target);
   void add(std::uint32_t origin, std::uint32_t target);
   void add_triangle(std::uint32_t t, bool delaunay);

@@ -76,14 +76,15 @@ inline VectorPair vectors_between(LatticePoint origin, LatticePoint p, LatticePo
 #endif
 }
 
-/// The cross products with `s` and the ratios in its pencil, of two points.
-struct RatioPair {
-  Pair cross, ratio;
+/// The ratios of two points in the pencil of `s`, not yet divided: numerators, and cross products with `s`.
+struct FractionPair {
+  Pair numerator, cross;
+
+  [[nodiscard]] Pair ratio() const { return numerator / cross; }
 };
 
-inline RatioPair ratios(const VectorPair& p, Vector s) {
-  const Pair cross = p.x * s.y - p.y * s.x;
-  return {cross, (p.x * (p.x - s.x) + p.y * (p.y - s.y)) / cross};
+inline FractionPair fractions(const VectorPair& p, Vector s) {
+  return {p.x * (p.x - s.x) + p.y * (p.y - s.y), p.x * s.y - p.y * s.x};
 }
 
 /// Bit i: the i-th number is above 0.
@@ -95,13 +96,15 @@ inline unsigned positive(Pair d) {
 #endif
 }
 
-/// Bit i: the i-th number of d is below 0, and that of r is at least `least`.
-inline unsigned negative_and_least(Pair d, Pair r, double least) {
+/// Bit i: the i-th point is on the left, and its ratio is at least `least`; ratios next to it may be missed or taken.
+inline unsigned left_and_least(const FractionPair& f, double least) {
 #ifdef __SSE2__
+  const __m128d bound = _mm_mul_pd(f.cross, _mm_set1_pd(least));
   return static_cast<unsigned>(
-      _mm_movemask_pd(_mm_and_pd(_mm_cmplt_pd(d, _mm_setzero_pd()), _mm_cmpge_pd(r, _mm_set1_pd(least)))));
+      _mm_movemask_pd(_mm_and_pd(_mm_cmplt_pd(f.cross, _mm_setzero_pd()), _mm_cmple_pd(f.numerator, bound))));
 #else
-  return (d[0] < 0 && r[0] >= least ? 1U : 0U) | (d[1] < 0 && r[1] >= least ? 2U : 0U);
+  return (f.cross[0] < 0 && f.numerator[0] <= f.cross[0] * least ? 1U : 0U) |
+         (f.cross[1] < 0 && f.numerator[1] <= f.cross[1] * least ? 2U : 0U);
 #endif
 }
 

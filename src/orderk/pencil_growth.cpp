@@ -60,6 +60,7 @@ struct PencilGrowth::Impl {
   Vector origin{};    // of all vectors: u
   double reach2 = 0;  // squared distance from u to the border of the window
   HalfedgeId entry{};
+  bool is_first_before = false;  // the cone's first side is: with a point that is, too, all between them are
   std::vector<Pencil> stack{};
   std::size_t stack_size = 0;
   Pencil pencil{};  // the one that slides
@@ -124,8 +125,9 @@ struct PencilGrowth::Impl {
     if constexpr (kSmall) {
       for (std::size_t i = 0; i < link.size(); i += 2) {
         const VertexId p = link[i], q = link[i + (i + 1 < link.size())];  // an odd one twice: it is added once
-        const auto [d, r] = ratios(vectors_between(at_u, tri.position[p], tri.position[q]), at_s);
-        const unsigned is_right = positive(d);
+        const FractionPair f = fractions(vectors_between(at_u, tri.position[p], tri.position[q]), at_s);
+        const Pair r = f.ratio();
+        const unsigned is_right = positive(f.cross);
         fill.offer(p, r[0], is_right & 1U);
         fill.offer(q, r[1], is_right >> 1U);
       }
@@ -175,7 +177,7 @@ struct PencilGrowth::Impl {
       if (at_end) certify(pencil.s, at_s, hit);
       const Vector at = relative(hit.p);
       if (cross<kSmall>(leftmost, at) > 0) {
-        consider<kSmall>(hit.p, at);
+        if (!is_first_before || at_u < tri.position[hit.p]) consider<kSmall>(hit.p, at);
         leftmost = at;
       }
       if (at_end) return;
@@ -200,9 +202,10 @@ struct PencilGrowth::Impl {
       const auto link = links.of(left[i].p);
       for (std::size_t j = 0; j < link.size(); j += 2) {
         const VertexId p = link[j], q = link[j + (j + 1 < link.size())];
-        const auto [d, r] = ratios(vectors_between(at_u, tri.position[p], tri.position[q]), at_v);
-        const unsigned close = negative_and_least(d, r, least);
+        const FractionPair f = fractions(vectors_between(at_u, tri.position[p], tri.position[q]), at_v);
+        const unsigned close = left_and_least(f, least);
         if (close == 0) continue;
+        const Pair r = f.ratio();
         if ((close & 1U) && !add_left({p, r[0]}, s2, v, true)) return false;
         if ((close & 2U) && !add_left({q, r[1]}, s2, v, true)) return false;
       }
@@ -321,6 +324,7 @@ struct PencilGrowth::Impl {
     // No edge leaves the cone across the hull.
     if (tri.twin[across].is_none()) return;
     entry = across;
+    is_first_before = m < at_u;
     Pencil& first = push();
     first.s = s0;
     first.count = 0;

@@ -10,6 +10,8 @@ namespace hydrotin {
 namespace {
 
 constexpr double kTolerance = 1e-9;
+constexpr std::uint64_t kSlice = 20'000;   // iterations between two looks at the clock
+constexpr int kIterationsUsed = 3;         // Clp's status
 constexpr double kStrictShare = 1.0 / 16;  // of the price of the weak row
 
 struct Deleter {
@@ -83,18 +85,22 @@ void set_basis(Clp_Simplex* model, const std::vector<std::uint8_t>& columns, con
 
 }  // namespace
 
-ComponentAnswer solve(ComponentProgram& program, std::uint64_t max_iterations) {
+ComponentAnswer solve(ComponentProgram& program, std::uint64_t max_iterations, const std::function<bool()>& stop) {
   const Model model = make_model();
   Columns(program).load(model.get(), program);
-  Clp_setMaximumIterations(model.get(), static_cast<int>(std::min<std::uint64_t>(max_iterations, 2'000'000'000)));
   set_basis(model.get(), program.column_status, program.row_status);
   ComponentAnswer answer;
-  if (max_iterations == 0) return answer;
-  Clp_dual(model.get(), 0);
-  answer.iterations = static_cast<std::uint64_t>(Clp_numberIterations(model.get()));
-  if (Clp_status(model.get()) > 3) {  // numerical trouble: once more from scratch
+  do {
+    if (answer.iterations >= max_iterations || (stop && stop())) return answer;
+    const std::uint64_t slice = std::min(kSlice, max_iterations - answer.iterations);
+    Clp_setMaximumIterations(model.get(), static_cast<int>(slice));
+    Clp_dual(model.get(), 0);
+    answer.iterations += static_cast<std::uint64_t>(Clp_numberIterations(model.get()));
+  } while (Clp_status(model.get()) == kIterationsUsed);
+  if (Clp_status(model.get()) > kIterationsUsed) {  // numerical trouble: once more from scratch
     set_basis(model.get(), std::vector<std::uint8_t>(2 * program.limit.size(), kAtLower),
               std::vector<std::uint8_t>(program.lower.size(), kBasic));
+    Clp_setMaximumIterations(model.get(), static_cast<int>(std::min<std::uint64_t>(max_iterations, 2'000'000'000)));
     Clp_primal(model.get(), 0);
     answer.iterations += static_cast<std::uint64_t>(Clp_numberIterations(model.get()));
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace hydrotin {
@@ -33,7 +34,9 @@ struct ComponentAnswer {
 };
 
 /// Dual simplex from the given basis.
-[[nodiscard]] ComponentAnswer solve(ComponentProgram& program, std::uint64_t max_iterations);
+/// @param stop  asked at the beginning and every so many iterations; may be empty
+[[nodiscard]] ComponentAnswer solve(ComponentProgram& program, std::uint64_t max_iterations,
+                                    const std::function<bool()>& stop);
 
 /// What rows must give up so that all can hold: the cheapest by weight; the strict part costs less than the weak row.
 struct Concession {

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <tuple>
 #include <unordered_map>
+#include <utility>
 
 #include "component_program.h"
 #include "exact_edges.h"
@@ -52,7 +53,8 @@ class Solver {
         d_(terrain.num_vertices(), 0.0),
         parent_(terrain.num_vertices()),
         touched_(terrain.num_vertices(), 0),
-        status_(2 * std::size_t{terrain.num_vertices()}, kAtLower) {
+        status_(2 * std::size_t{terrain.num_vertices()}, kAtLower),
+        local_(terrain.num_vertices()) {
     std::iota(parent_.begin(), parent_.end(), 0u);
     edges_.assign(rivers.begin(), rivers.end());
     edges_.insert(edges_.end(), options.constraints.chain.begin(), options.constraints.chain.end());
@@ -60,11 +62,13 @@ class Solver {
 
   Embedding run() {
     result_.clamped_networks = catalog_.clamped_networks();
+    if (lacks_triangles()) return std::move(result_);
     for (const Row& row : catalog_.listed()) consider(row);
     if (options_.constraints.contiguity == Contiguity::exact)
       for (const auto& edge : rivers_) catalog_.visit(edge.from, d_, [&](const Row& row) { consider(row); });
     for (std::uint32_t sweep = 0; sweep < kMaxSweeps; ++sweep) {
       solve_until_satisfied();
+      if (!result_.incomplete.empty()) return std::move(result_);
       if (is_stopped_) blend_with_burned();
       write_heights();
       if (is_stopped_ || !sweep_all()) break;
@@ -139,20 +143,55 @@ class Solver {
   void solve_until_satisfied() {
     while (!dirty_.empty()) {
       ++result_.rounds;
-      std::vector<std::uint32_t> now, changed;
-      now.swap(dirty_);
-      for (const std::uint32_t root : now) {
-        const auto found = component_.find(root);
-        if (found == component_.end() || !found->second.is_dirty) continue;
-        found->second.is_dirty = false;
-        if (options_.stop && options_.stop()) is_stopped_ = true;
-        if (!is_stopped_) solve_component(found->second, changed);
-        if (is_stopped_) return;
+      const std::vector<Component*> now = take_dirty();
+      std::vector<ComponentSolution> solutions(now.size());
+      options_.executor(static_cast<std::uint32_t>(now.size()),
+                        [&](std::uint32_t i) { solutions[i] = solve_component(*now[i]); });
+      std::vector<std::uint32_t> changed;
+      for (const ComponentSolution& solution : solutions) {
+        result_.iterations = std::min(options_.max_iterations, result_.iterations + solution.iterations);
+        is_stopped_ = is_stopped_ || solution.is_stopped;
+        changed.insert(changed.end(), solution.changed.begin(), solution.changed.end());
       }
+      if (is_stopped_) return;
       // What moves pushes its neighbours along the river next: their rows now save rounds of the simplex.
       const auto take = [&](const Row& row) { consider(row, row.kind == RowKind::flow || row.kind == RowKind::chain); };
       for (const std::uint32_t v : changed) catalog_.visit(v, d_, take);
+      if (lacks_triangles(changed)) return;
     }
+  }
+
+  // The components to solve, large ones first, so that none of them is left to one thread at the end.
+  std::vector<Component*> take_dirty() {
+    std::vector<Component*> now;
+    for (const std::uint32_t root : std::exchange(dirty_, {})) {
+      const auto found = component_.find(root);
+      if (found == component_.end() || !found->second.is_dirty) continue;
+      found->second.is_dirty = false;
+      now.push_back(&found->second);
+    }
+    std::stable_sort(now.begin(), now.end(),
+                     [](const Component* a, const Component* b) { return a->row.size() > b->row.size(); });
+    return now;
+  }
+
+  // Whether some of the vertices lack triangles, and so rows: they are listed.
+  bool lacks_triangles(std::vector<std::uint32_t> vertices) {
+    std::vector<std::uint32_t>& incomplete = result_.incomplete;
+    if (options_.is_complete.empty()) return false;
+    std::erase_if(vertices, [&](std::uint32_t v) { return options_.is_complete[v] != 0; });
+    incomplete.insert(incomplete.end(), vertices.begin(), vertices.end());
+    std::sort(incomplete.begin(), incomplete.end());
+    incomplete.erase(std::unique(incomplete.begin(), incomplete.end()), incomplete.end());
+    return !incomplete.empty();
+  }
+
+  // The same of all vertices whose rows are made at the beginning.
+  bool lacks_triangles() {
+    std::vector<std::uint32_t> ends;
+    for (const auto& [from, to] : edges_) ends.insert(ends.end(), {from, to});
+    for (const PreservedEdge& edge : options_.constraints.preserve) ends.insert(ends.end(), {edge.a, edge.b});
+    return lacks_triangles(std::move(ends));
   }
 
   // Most of a component is in order since the last time: only what is new is sorted, then merged in.
@@ -165,7 +204,6 @@ class Solver {
     };
     sort_tail(component.vertex, component.sorted_vertices,
               [&](std::uint32_t a, std::uint32_t b) { return terrain_.position[a] < terrain_.position[b]; });
-    if (local_.size() < terrain_.num_vertices()) local_.resize(terrain_.num_vertices());
     for (std::size_t i = 0; i < component.vertex.size(); ++i) local_[component.vertex[i]] = static_cast<int>(i);
     const auto places = [&](const Row& row) {
       std::array<int, 4> at{-1, -1, -1, -1};
@@ -213,11 +251,25 @@ class Solver {
     return program;
   }
 
-  void solve_component(Component& component, std::vector<std::uint32_t>& changed) {
+  // What solving a component gave besides its displacements and its basis.
+  struct ComponentSolution {
+    std::vector<std::uint32_t> changed;
+    std::uint64_t iterations = 0;
+    bool is_stopped = false;
+  };
+
+  // Touches nothing but what is the component's own: components may be solved at the same time.
+  ComponentSolution solve_component(Component& component) {
+    ComponentSolution out;
+    const auto solve_now = [&](ComponentProgram& program) {
+      const std::uint64_t left = options_.max_iterations - result_.iterations;
+      const ComponentAnswer answer = solve(program, left - std::min(left, out.iterations), options_.stop);
+      out.iterations += answer.iterations;
+      return answer;
+    };
     sort_component(component);
     ComponentProgram program = formulate(component);
-    ComponentAnswer answer = solve(program, options_.max_iterations - result_.iterations);
-    result_.iterations = std::min(options_.max_iterations, result_.iterations + answer.iterations);
+    ComponentAnswer answer = solve_now(program);
     if (answer.end == ProgramEnd::infeasible) {
       for (const auto& [r, amount] : concede(program)) {
         PoolRow& pooled = pool_[component.row[static_cast<std::size_t>(r)]];
@@ -226,13 +278,15 @@ class Solver {
         if (std::isfinite(pooled.upper)) pooled.upper += amount + kRelaxation;
       }
       program = formulate(component);
-      answer = solve(program, options_.max_iterations - result_.iterations);
-      result_.iterations = std::min(options_.max_iterations, result_.iterations + answer.iterations);
+      answer = solve_now(program);
     }
-    if (answer.end != ProgramEnd::optimal) {
-      is_stopped_ = true;
-      return;
-    }
+    out.is_stopped = answer.end != ProgramEnd::optimal;
+    if (!out.is_stopped) take_over(component, program, answer, out.changed);
+    return out;
+  }
+
+  void take_over(Component& component, const ComponentProgram& program, const ComponentAnswer& answer,
+                 std::vector<std::uint32_t>& changed) {
     component.bound = answer.objective;
     for (std::size_t i = 0; i < component.vertex.size(); ++i) {
       const std::uint32_t v = component.vertex[i];
@@ -407,6 +461,9 @@ class Solver {
     std::sort(moved.begin(), moved.end(),
               [&](std::uint32_t a, std::uint32_t b) { return terrain_.position[a] < terrain_.position[b]; });
     for (const std::uint32_t v : moved) result_.objective += std::abs(values[v]);
+    lacks_triangles(moved);
+    for (std::uint32_t v = 0; v < touched_.size(); ++v)
+      if (touched_[v] != 0) result_.touched.push_back(v);
     std::vector<double> bounds;
     for (const auto& [root, component] : component_) bounds.push_back(component.bound);
     std::sort(bounds.begin(), bounds.end());

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "hydrotin/executor.h"
 #include "hydrotin/river_constraints.h"
 #include "hydrotin/river_network.h"
 
@@ -21,8 +22,9 @@
 ///       as returned in exact arithmetic, except at the places in `broken`.
 ///   (3) The result does not depend on the numbering of vertices, triangles or edges: columns and rows are in (x, y)
 ///       order. A component depends on nothing outside it.
+///   (4) Of a part of a terrain: the heights of the whole terrain, or vertices around which the part must grow.
 /// Units    metres.
-/// Threads  Pure: safe to call concurrently, no hidden parallelism.
+/// Threads  Pure: safe to call concurrently; parallel by the executor given.
 
 namespace hydrotin {
 
@@ -44,7 +46,9 @@ struct EmbeddingOptions {
   RiverConstraints constraints;
   double quantum = 0;  ///< heights that move become multiples of it; 0 = doubles, without margin
   std::uint64_t max_iterations = 1'000'000'000;  ///< of the simplex, all components together
-  std::function<bool()> stop;                    ///< asked between components; true = end soon with what there is
+  std::function<bool()> stop;    ///< asked now and then, perhaps by several threads; true = end soon with what there is
+  Executor executor = serially;  ///< of the components; the heights do not depend on it
+  std::span<const std::uint8_t> is_complete;  ///< [n] all triangles of the vertex are there; or empty: of every vertex
 };
 
 /// A row that the heights returned do not satisfy, because it contradicts others or the limits of change.
@@ -65,6 +69,8 @@ struct Embedding {
   std::uint64_t iterations = 0;
   std::vector<BrokenRow> broken;                ///< in (x, y) order
   std::vector<std::uint32_t> clamped_networks;  ///< whose average slope is not positive: their decline is 0
+  std::vector<std::uint32_t> touched;           ///< ascending: vertices with a column, all that moved among them
+  std::vector<std::uint32_t> incomplete;  ///< ascending; not empty: the rest is void, these need all their triangles
 };
 
 /// @param rivers  edges of the terrain without fault (`check_network`).

@@ -10,6 +10,7 @@
 #include "fingerprint.h"
 #include "hydrotin/hilbert.h"
 #include "hydrotin/las.h"
+#include "hydrotin/options.h"
 #include "hydrotin/pit_removal.h"
 #include "hydrotin/pits.h"
 #include "hydrotin/point_set.h"
@@ -76,6 +77,7 @@ inline Monolith run_monolith(const std::vector<LatticePoint>& position, const st
   out.pits_before = count_pits(graph, z, outlet);
   RemovalOptions removal;
   removal.limits.max_visits = kScalableVisits;
+  removal.limits.max_lake = PitOptions{}.largest_lake;
   const std::vector<std::int32_t> level = remove_pits({&graph, z, p, outlet, {}, {}, {}}, removal).height;
   Fingerprint fingerprint;
   for (const auto& t : triangulation.triangles)

@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "edits_file.h"
+#include "filled_lakes.h"
 #include "hydrotin/lifting.h"
 #include "path_members.h"
 #include "phases.h"
@@ -18,8 +19,9 @@ constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 // The vertices of a tile's surface that may move.
 class TileMembers {
  public:
-  TileMembers(const RunContext& context, std::uint32_t tile, const Surface& surface, const ChangeableTerrain& terrain)
-      : context_(context), tile_(tile), surface_(surface), terrain_(terrain) {
+  TileMembers(const RunContext& context, std::uint32_t tile, const Surface& surface, const ChangeableTerrain& terrain,
+              std::span<const std::uint8_t> is_filled)
+      : context_(context), tile_(tile), surface_(surface), terrain_(terrain), is_filled_(is_filled) {
     components.level = surface.level;
     components.breached = surface.height;
     for (std::uint32_t v = 0; v < surface.num_vertices(); ++v)
@@ -48,6 +50,7 @@ class TileMembers {
           if (at == last) break;
           if (*at != point) continue;
           const auto v = static_cast<std::size_t>(at - surface_.point.begin());
+          if (is_filled_[v]) continue;
           is_member_[v] = 1;
           components.breached[v] = std::min(components.breached[v], level);
         }
@@ -126,6 +129,7 @@ class TileMembers {
   std::uint32_t tile_;
   const Surface& surface_;
   const ChangeableTerrain& terrain_;
+  std::span<const std::uint8_t> is_filled_;
   std::vector<std::uint8_t> is_member_;
 };
 
@@ -192,12 +196,14 @@ void write_open(store::Writer& out, const Surface& surface, const TileMembers& m
 }  // namespace
 
 void find_members(const RunContext& context, std::uint32_t tile) {
-  const Surface surface = read_surface(store::Reader(context.layout.unit(Phase::pools, tile)));
-  const ChangeableSurface changeable(context, surface);
-  const TileMembers members(context, tile, surface, changeable.view());
-  std::vector<std::int32_t> height = surface.height;
+  Surface surface = read_surface(store::Reader(context.layout.unit(Phase::pools, tile)));
   const bool lifts = context.options.pits.method == PitMethod::lift;
   ChangeFigures figures;
+  const std::vector<std::uint8_t> is_filled =
+      lifts ? std::vector<std::uint8_t>() : fill_largest_lakes(context, tile, surface, figures);
+  const ChangeableSurface changeable(context, surface);
+  const TileMembers members(context, tile, surface, changeable.view(), is_filled);
+  std::vector<std::int32_t> height = surface.height;
   figures.groups = static_cast<std::int64_t>(members.components.size());
   if (lifts)
     height = surface.level;

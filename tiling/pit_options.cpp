@@ -27,6 +27,7 @@ RemovalOptions removal_options(const RunContext& context) {
   }
   out.measure = pits.measure;
   out.limits.max_visits = kScalableVisits;
+  out.limits.max_lake = pits.largest_lake;
   // A hair more, so that a limit which is a multiple of the lattice unit stays one.
   if (pits.max_breach_depth_m)
     out.limits.max_depth = static_cast<std::int32_t>(

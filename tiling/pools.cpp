@@ -85,6 +85,10 @@ void pool_tile(const RunContext& context, std::uint32_t tile) {
       if (is_seen[seed] || surface.level[seed] == surface.height[seed]) continue;
       const auto lake = breacher.lake_around(seed);
       for (const std::uint32_t v : lake) is_seen[v] = 1;
+      if (lake.size() > options.limits.max_lake) {  // filled: `lakes` tells all tiles
+        open.add(surface, grid, lake, {});
+        continue;
+      }
       breacher.run(found);
       const std::int64_t lake_bound = bound.run(lake, found.unknown);
       if (found.unknown.empty())

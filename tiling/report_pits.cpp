@@ -258,6 +258,7 @@ PitFigures collect_pit_figures(const RunContext& context) {
   const store::Reader groups(context.layout.unit(Phase::groups, 0));
   out.largest_group = groups.integer("largest_group");
   out.undrawn = groups.integer("undrawn");
+  if (method != PitMethod::lift) out.undrawn += store::Reader(context.layout.unit(Phase::lakes, 0)).integer("filled");
   for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t) {
     out.deepest = std::max(out.deepest, store::Reader(context.layout.unit(Phase::pools, t)).integer("deepest"));
     for (const Phase phase : {Phase::pools, Phase::breach}) {

@@ -14,9 +14,9 @@ namespace {
 struct OpenLake {
   std::uint64_t seed = 0;
   std::vector<Cell> cells;  // ascending
-  int reach = 1;            // cells to add around those where the next search stops
+  int reach = 2;            // cells to add around those where the next search stops
 };
-constexpr int kMaxReach = 4;
+constexpr int kMaxReach = 8;
 
 void sort_unique(std::vector<Cell>& cells) {
   std::sort(cells.begin(), cells.end());

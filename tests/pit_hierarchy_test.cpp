@@ -107,6 +107,20 @@ TEST(PitHierarchy, FloodedPartOfOneTriangle) {
   }
 }
 
+// Volumes beyond 64 bits: wide triangles of fine lattices, a cone cut at each share of its height.
+TEST(PitHierarchy, VolumesOfTheLargestTriangles) {
+  const std::array<LatticePoint, 3> corner{
+      LatticePoint{-500'000'000, -500'000'000}, {500'000'000, -499'999'999}, {3, 500'000'000}};
+  const std::array<std::int32_t, 3> height{-1'000'000'000, 1'000'000'000, 1'000'000'000};
+  for (const double share : {0.001, 0.25, 0.5, 1.0}) {
+    const auto level = static_cast<std::int32_t>(-1'000'000'000 + share * 2e9);
+    const FloodedPart part = flooded_part(corner, height, level);
+    const double rise = level + 1e9, area = 1e18 * (rise / 2e9) * (rise / 2e9);
+    EXPECT_NEAR(static_cast<double>(part.doubled_area), area, 1e-6 * area);
+    EXPECT_NEAR(static_cast<double>(part.sixfold_volume), area * rise, 1e-6 * area * rise);
+  }
+}
+
 std::int64_t cost_of_removing(const OutletTerrain& t, const VertexGraph& graph, const std::vector<PitBasin>& pits,
                               const std::vector<std::uint8_t>& is_kept) {
   const auto outlets = outlets_and_kept_pits(graph, t.grid.height, t.is_outlet, pits, is_kept);

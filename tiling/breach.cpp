@@ -63,8 +63,9 @@ constexpr std::uint64_t kVertexBytes = 256;  // of a window, while it is put tog
 // How many of the first lakes will fit in memory together, one at least.
 std::size_t batch_of(const RunContext& context, std::span<const OpenLake> lakes) {
   constexpr std::uint64_t kCellBytes = kVertexBytes * CellGrid::kVertices;
-  const std::uint64_t most = std::max<std::uint64_t>(
-      context.options.run.memory_bytes / (4 * worker_count(context.options.run) * kCellBytes), 64);
+  constexpr std::uint64_t kFewest = 64, kMost = 2048;  // more cells at once save nothing
+  const std::uint64_t most = std::clamp<std::uint64_t>(
+      context.options.run.memory_bytes / (4 * worker_count(context.options.run) * kCellBytes), kFewest, kMost);
   std::set<Cell> chosen;
   std::size_t num_lakes = 0;
   for (const OpenLake& lake : lakes) {

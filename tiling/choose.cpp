@@ -1,9 +1,9 @@
 #include <algorithm>
-#include <cmath>
 
 #include "hydrotin/lifting.h"
 #include "hydrotin/nested_pools.h"
 #include "hydrotin/pit_choice.h"
+#include "hydrotin/pit_units.h"
 #include "kept_pits.h"
 #include "nested_store.h"
 #include "phases.h"
@@ -85,42 +85,15 @@ Plateaus read_all_plateaus(const RunContext& context) {
   return out;
 }
 
-std::vector<std::uint8_t> marks(const RunContext& context, const std::vector<PitBasin>& pits) {
-  const KeepPits& keep = context.options.pits.keep;
-  std::vector<std::uint8_t> is_listed(pits.size(), 0), out;
-  for (const std::uint64_t id : keep.ids) {
-    if (id >= pits.size())
-      throw Error(ErrorKind::config, "pits.keep.ids: there is no pit " + std::to_string(id) + "; ids count from 0 to " +
-                                         std::to_string(pits.size()) +
-                                         " (excluded): see pits.csv of a run on the same points");
-    is_listed[id] = 1;
-  }
-  for (std::size_t i = 0; i < pits.size(); ++i) {
-    const bool lies_inside = !keep.inside.empty() && context.places->keep.covers(pits[i].pit.representative);
-    const bool both = !keep.inside.empty() && !keep.ids.empty() && keep.all_conditions;
-    out.push_back(both ? lies_inside && is_listed[i] : lies_inside || is_listed[i]);
-  }
-  return out;
-}
-
 std::vector<std::uint8_t> pits_kept(const RunContext& context, const std::vector<PitBasin>& pits) {
   const PitOptions& options = context.options.pits;
   if (options.cheapest) return keep_all_but_cheapest(pits, *options.cheapest);
-  const KeepPits& keep = options.keep;
-  const Lattice& l = context.plan.lattice;
-  const double side = l.scale_xy * context.plan.metres_per_unit;
-  std::vector<KeepClause> clauses;
-  const auto clause = [&]() -> KeepClause& {
-    return keep.all_conditions && !clauses.empty() ? clauses.front() : clauses.emplace_back();
-  };
-  // A limit that is a multiple of the lattice unit must not be passed by rounding.
-  if (keep.deeper_than_m)
-    clause().deeper_than =
-        static_cast<std::int64_t>(std::floor(std::min(*keep.deeper_than_m / l.scale_z + 1e-6, 1e18)));
-  if (keep.larger_than_m2) clause().larger_than = *keep.larger_than_m2 / (side * side);
-  if (keep.volume_above_m3) clause().volume_above = *keep.volume_above_m3 / (side * side * l.scale_z);
-  if (!keep.inside.empty() || !keep.ids.empty()) clause().only_marked = true;
-  return pits_to_keep(pits, clauses, marks(context, pits));
+  std::vector<std::uint8_t> is_inside, is_listed;
+  if (!options.keep.ids.empty()) is_listed = listed_pits(options.keep.ids, pits.size(), "pits.keep.ids");
+  if (!options.keep.inside.empty())
+    for (const PitBasin& pit : pits) is_inside.push_back(context.places->keep.covers(pit.pit.representative));
+  return pits_to_keep(
+      pits, keep_conditions(options.keep, context.plan.lattice, context.plan.metres_per_unit, is_inside, is_listed));
 }
 
 void write_table(store::Writer& out, const std::vector<PitBasin>& pits, const std::vector<std::uint8_t>& is_kept) {

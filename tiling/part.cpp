@@ -7,6 +7,7 @@
 #include <string>
 #include <tuple>
 
+#include "hydrotin/outlets.h"
 #include "hydrotin/predicates.h"
 #include "hydrotin/rasterize.h"
 #include "mend.h"
@@ -212,32 +213,6 @@ void mark_rim(Part& part) {
       part.is_rim[e.origin] = part.is_rim[e.target] = 1;
 }
 
-void mark_places(const PlaceLayer& places, const Part& part, std::vector<std::uint8_t>& flag) {
-  for (std::uint32_t v = 0; v < part.num_vertices(); ++v) flag[v] |= places.covers(part.position[v]);
-  for (std::uint32_t t = 0; t < part.num_triangles(); ++t) {
-    const std::uint32_t* v = &part.triangle[3 * std::size_t{t}];
-    const std::array corner{part.position[v[0]], part.position[v[1]], part.position[v[2]]};
-    if (!places.meets(corner)) continue;
-    const auto before = [&](std::uint32_t a, std::uint32_t b) {
-      return std::tie(part.height[a], part.position[a]) < std::tie(part.height[b], part.position[b]);
-    };
-    flag[*std::min_element(v, v + 3, before)] = 1;
-  }
-}
-
-void mark_voids(const RunContext& context, const Part& part, std::vector<std::uint8_t>& flag) {
-  const std::uint64_t limit =
-      squared_edge_limit(context.options.pits.void_edge_m / context.plan.metres_per_unit, context.plan.lattice);
-  for (std::size_t t = 0; t < part.triangle.size(); t += 3)
-    for (std::size_t i = 0; i < 3; ++i) {
-      const LatticePoint a = part.position[part.triangle[t + i]], b = part.position[part.triangle[t + (i + 1) % 3]];
-      const auto dx = static_cast<std::uint64_t>(std::abs(std::int64_t{a.x} - b.x));
-      const auto dy = static_cast<std::uint64_t>(std::abs(std::int64_t{a.y} - b.y));
-      const bool is_long = std::max(dx, dy) >> 31 ? limit != kNoEdgeLimit : dx * dx + dy * dy > limit;
-      for (std::size_t j = 0; is_long && j < 3; ++j) flag[part.triangle[t + j]] = 1;
-    }
-}
-
 }  // namespace
 
 std::optional<std::uint32_t> Part::find(PointId id) const {
@@ -291,8 +266,11 @@ std::vector<std::uint8_t> outlet_flags(const RunContext& context, const Part& pa
   if (pits.outlets == OutletPolicy::hull) flag = part.is_hull;
   if (pits.outlets == OutletPolicy::lowest)
     if (const auto lowest = part.find(context.outline.lowest.point)) flag[*lowest] = 1;
-  if (pits.outlets == OutletPolicy::layer) mark_places(context.places->outlets, part, flag);
-  if (pits.voids_drain) mark_voids(context, part, flag);
+  if (pits.outlets == OutletPolicy::layer)
+    context.places->outlets.mark(part.position, part.height, part.triangle, flag);
+  if (pits.voids_drain)
+    mark_void_corners(part.position, part.triangle,
+                      squared_edge_limit(pits.void_edge_m / context.plan.metres_per_unit, context.plan.lattice), flag);
   return flag;
 }
 

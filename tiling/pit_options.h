@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "hydrotin/pit_removal.h"
+#include "hydrotin/pit_units.h"
 #include "phases.h"
 
 /// The options of pit removal in lattice units.
@@ -12,10 +12,6 @@
 namespace hydrotin {
 
 [[nodiscard]] RemovalOptions removal_options(const RunContext& context);
-
-/// Names as in configs and files.
-[[nodiscard]] std::string outlet_policy(const PitOptions& options);
-[[nodiscard]] std::string pit_method(const PitOptions& options);
 
 /// A surface as the room `terrain` changes it, with the arrays that its spans refer to.
 class ChangeableSurface {
@@ -39,7 +35,7 @@ class ChangeableSurface {
 
   ChangeableTerrain terrain_;
   std::vector<std::int64_t> star_;
-  std::vector<std::int32_t> lower_, upper_;
+  HeightBounds bounds_;
 };
 
 }  // namespace hydrotin

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "block_index.h"
+#include "hydrotin/edit_features.h"
 #include "hydrotin/raster_frame.h"
 #include "hydrotin/rasterize.h"
 #include "leftovers.h"
@@ -48,14 +49,7 @@ struct RasterCount {
 // The triangles that pit removal moved, at the heights of the change: 0 where the lattice says 0.
 void keep_changed(TrianglePatch& patch) {
   for (std::size_t v = 0; v < patch.height.size(); ++v) patch.height[v] -= patch.measured[v];
-  std::size_t kept = 0;
-  for (std::size_t t = 0; t < patch.triangle.size(); t += 3) {
-    const std::uint32_t* v = &patch.triangle[t];
-    if (patch.height[v[0]] == 0 && patch.height[v[1]] == 0 && patch.height[v[2]] == 0) continue;
-    std::copy_n(v, 3, &patch.triangle[kept]);
-    kept += 3;
-  }
-  patch.triangle.resize(kept);
+  keep_changed_triangles(patch.height, patch.triangle);
 }
 
 enum class RasterKind : std::uint8_t { heights, change };

@@ -12,6 +12,7 @@
 #include "file_checksum.h"
 #include "fingerprint.h"
 #include "hydrotin/measure.h"
+#include "hydrotin/pit_layers.h"
 #include "hydrotin/raster.h"
 #include "hydrotin/vector.h"
 #include "hydrotin/version.h"
@@ -210,7 +211,7 @@ void write_layers(const RunContext& context, const Figures& figures) {
                                          static_cast<std::int64_t>(figures.tile[t].triangles)};
     out.add_box(tiles, l.x(box.min.x), l.y(box.min.y), l.x(box.max.x), l.y(box.max.y), values);
   }
-  write_pit_layer(context, figures.pits, out);
+  write_pit_layer(l, figures.pits.pit, figures.pits.is_kept, out);
   write_edit_layers(context, out);
   out.finish();
 }
@@ -513,7 +514,7 @@ void write_report(const RunContext& context) {
   const Figures figures = collect(context);
   write_rasters(context);
   write_layers(context, figures);
-  write_file(context.layout.pits_csv(), pits_csv(context, figures.pits));
+  write_file(context.layout.pits_csv(), pits_csv(context.plan.lattice, figures.pits.pit, figures.pits.is_kept));
   write_file(context.layout.report_json(), to_json(context, figures).dump(2) + "\n");
   write_file(context.layout.report_text(), to_text(context, figures));
   remove_leftovers(context);

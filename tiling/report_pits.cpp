@@ -7,6 +7,7 @@
 
 #include "hydrotin/lake_bound.h"
 #include "hydrotin/lifting.h"
+#include "hydrotin/pit_layers.h"
 #include "path_members.h"
 #include "pit_options.h"
 #include "store.h"
@@ -17,25 +18,6 @@ namespace {
 using nlohmann::json;
 
 constexpr Phase kEditPhases[] = {Phase::members, Phase::settle};
-
-std::string name_of(ChangeMeasure measure) {
-  constexpr const char* kNames[] = {"total", "max", "count", "volume"};
-  return kNames[static_cast<std::size_t>(measure)];
-}
-
-// Factor from lattice units of a measure to units of the CRS.
-double unit_of(ChangeMeasure measure, const Lattice& l) {
-  switch (measure) {
-    case ChangeMeasure::total:
-    case ChangeMeasure::max:
-      return l.scale_z;
-    case ChangeMeasure::count:
-      return 1;
-    case ChangeMeasure::volume:
-      return l.scale_xy * l.scale_xy * l.scale_z / 6;
-  }
-  return 1;
-}
 
 // Reads an array from front to back in pieces.
 template <class T>
@@ -138,97 +120,35 @@ std::vector<std::string> edit_files(const RunContext& context) {
 }
 
 void write_lifted(const RunContext& context, std::span<const std::string> files, GeoPackageWriter& out) {
-  const Lattice& l = context.plan.lattice;
-  const double area = l.scale_xy * l.scale_xy;
-  const std::vector<VectorField> fields{{"level", FieldType::real},        {"lowest", FieldType::real},
-                                        {"max_depth", FieldType::real},    {"vertices", FieldType::integer},
-                                        {"displacement", FieldType::real}, {"volume", FieldType::real}};
-  const int layer = out.add_layer("lifted", VectorGeometry::polygon, false, fields);
+  LiftedLayer layer(context.plan.lattice, out);
   const auto order = features_in_order(files, "region_key");
   std::vector<RegionFile> region;
   for (const std::string& path : files) region.emplace_back(store::Reader(path));
   std::vector<std::int32_t> xy;
-  std::vector<std::vector<VectorPoint>> rings;
   for (const FeaturePlace& f : order) {
     RegionFile& r = region[f.file];
     const std::size_t i = f.index;
-    rings.clear();
+    layer.begin({r.level[i], r.lowest[3 * i + 2], r.vertices[i], r.displacement[i], r.volume[i]});
     for (std::uint64_t k = r.region_ring_begin[i]; k < r.region_ring_begin[i + 1]; ++k) {
       r.ring_xy.read(2 * r.ring_begin[k], 2 * (r.ring_begin[k + 1] - r.ring_begin[k]), xy);
-      auto& ring = rings.emplace_back();
-      for (std::size_t p = 0; p < xy.size(); p += 2) ring.push_back({l.x(xy[p]), l.y(xy[p + 1]), 0});
+      layer.add_ring(xy);
     }
-    const std::vector<FieldValue> values{l.z(r.level[i]),
-                                         l.z(r.lowest[3 * i + 2]),
-                                         (static_cast<double>(r.level[i]) - r.lowest[3 * i + 2]) * l.scale_z,
-                                         static_cast<std::int64_t>(r.vertices[i]),
-                                         static_cast<double>(r.displacement[i]) * l.scale_z,
-                                         r.volume[i] * area * l.scale_z};
-    out.add_polygon(layer, rings, values);
+    layer.end();
   }
 }
 
 void write_breaches(const RunContext& context, std::span<const std::string> files, GeoPackageWriter& out) {
-  const Lattice& l = context.plan.lattice;
-  const std::vector<VectorField> fields{{"pit_height", FieldType::real},   {"length", FieldType::real},
-                                        {"max_depth", FieldType::real},    {"cost", FieldType::real},
-                                        {"displacement", FieldType::real}, {"volume", FieldType::real},
-                                        {"lowered", FieldType::integer},   {"from_pit", FieldType::integer}};
-  const int layer = out.add_layer("breaches", VectorGeometry::line, true, fields);
+  BreachLayer layer(context.plan.lattice, context.options.pits.measure, out);
   const auto order = features_in_order(files, "breach_key");
   std::vector<BreachFile> breach;
   for (const std::string& path : files) breach.emplace_back(store::Reader(path));
   std::vector<std::int32_t> xyz;
-  std::vector<VectorPoint> line;
   for (const FeaturePlace& f : order) {
     BreachFile& b = breach[f.file];
     const std::size_t i = f.index;
     b.xyz.read(3 * b.begin[i], 3 * (b.begin[i + 1] - b.begin[i]), xyz);
-    line.clear();
-    for (std::size_t p = 0; p < xyz.size(); p += 3) line.push_back({l.x(xyz[p]), l.y(xyz[p + 1]), l.z(xyz[p + 2])});
-    const bool from_pit = b.pit[3 * i + 2] != kNoLevel;
-    const double displacement = static_cast<double>(b.displacement[i]) * l.scale_z, depth = b.depth[i] * l.scale_z;
-    const double volume = b.volume[i] * l.scale_xy * l.scale_xy * l.scale_z;
-    const ChangeMeasure measure = context.options.pits.measure;
-    const double cost = measure == ChangeMeasure::total   ? displacement
-                        : measure == ChangeMeasure::max   ? depth
-                        : measure == ChangeMeasure::count ? static_cast<double>(b.lowered[i])
-                                                          : volume;
-    const std::vector<FieldValue> values{
-        from_pit ? l.z(b.pit[3 * i + 2]) : line.front().z, b.length[i] * l.scale_xy, depth, cost, displacement, volume,
-        static_cast<std::int64_t>(b.lowered[i]),           std::int64_t{from_pit}};
-    out.add_line(layer, line, values);
+    layer.add({b.pit[3 * i + 2], b.depth[i], b.lowered[i], b.displacement[i], b.length[i], b.volume[i]}, xyz);
   }
-}
-
-struct PitColumn {
-  const char* name;
-  FieldType type;
-};
-constexpr PitColumn kPitColumns[] = {
-    {"id", FieldType::integer},       {"parent", FieldType::integer},  {"z_before", FieldType::real},
-    {"z_level", FieldType::real},     {"depth", FieldType::real},      {"spill_x", FieldType::real},
-    {"spill_y", FieldType::real},     {"area", FieldType::real},       {"volume", FieldType::real},
-    {"vertices", FieldType::integer}, {"plateau", FieldType::integer}, {"displacement", FieldType::real},
-    {"kept", FieldType::integer}};
-
-// Values of the columns. Lengths in units of the CRS; parent -1: it overflows for good.
-void pit_values(const Lattice& l, const PitTable& pits, std::size_t i, std::vector<FieldValue>& values) {
-  const PitBasin& b = pits.pit[i];
-  const double area = l.scale_xy * l.scale_xy;
-  values = {static_cast<std::int64_t>(i),
-            b.parent == kNoPit ? std::int64_t{-1} : std::int64_t{b.parent},
-            l.z(b.pit.height),
-            l.z(b.spill_level),
-            static_cast<double>(b.depth()) * l.scale_z,
-            l.x(b.spill_position.x),
-            l.y(b.spill_position.y),
-            static_cast<double>(b.doubled_area) / 2 * area,
-            b.volume * area * l.scale_z,
-            static_cast<std::int64_t>(b.num_vertices),
-            static_cast<std::int64_t>(b.pit.num_vertices),
-            static_cast<double>(b.displacement) * l.scale_z,
-            std::int64_t{pits.is_kept[i]}};
 }
 
 std::string number(double value, const char* unit) {
@@ -371,46 +291,6 @@ std::vector<std::pair<std::string, std::string>> pit_rows(const RunContext& cont
   row("cost", number(verdict.cost, ""));
   row("bound", number(verdict.bound, verdict.optimal ? " (met: optimal)" : " (not met)"));
   return rows;
-}
-
-void write_pit_layer(const RunContext& context, const PitTable& pits, GeoPackageWriter& out) {
-  const Lattice& l = context.plan.lattice;
-  std::vector<VectorField> fields;
-  for (const PitColumn& column : kPitColumns) fields.push_back({column.name, column.type});
-  const int layer = out.add_layer("pits", VectorGeometry::point, true, fields);
-  std::vector<FieldValue> values;
-  for (std::size_t i = 0; i < pits.pit.size(); ++i) {
-    pit_values(l, pits, i, values);
-    const Pit& pit = pits.pit[i].pit;
-    out.add_point(layer, {l.x(pit.representative.x), l.y(pit.representative.y), l.z(pit.height)}, values);
-  }
-}
-
-std::string pits_csv(const RunContext& context, const PitTable& pits) {
-  const Lattice& l = context.plan.lattice;
-  std::string text = "x,y";
-  for (const PitColumn& column : kPitColumns) text += std::string(",") + column.name;
-  text += '\n';
-  std::vector<FieldValue> values;
-  char cell[48];
-  const auto put = [&](const char* format, auto value) {
-    std::snprintf(cell, sizeof cell, format, value);
-    text += cell;
-  };
-  for (std::size_t i = 0; i < pits.pit.size(); ++i) {
-    const LatticePoint at = pits.pit[i].pit.representative;
-    put("%.10g", l.x(at.x));
-    put(",%.10g", l.y(at.y));
-    pit_values(l, pits, i, values);
-    for (const FieldValue& value : values) {
-      if (const auto* integer = std::get_if<std::int64_t>(&value))
-        put(",%lld", static_cast<long long>(*integer));
-      else
-        put(",%.10g", std::get<double>(value));
-    }
-    text += '\n';
-  }
-  return text;
 }
 
 void write_edit_layers(const RunContext& context, GeoPackageWriter& out) {

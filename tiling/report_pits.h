@@ -38,10 +38,6 @@ struct PitVerdict {
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> pit_rows(const RunContext& context,
                                                                         const PitFigures& figures);
 
-/// The layer `pits`, and the same as a table.
-void write_pit_layer(const RunContext& context, const PitTable& pits, GeoPackageWriter& out);
-[[nodiscard]] std::string pits_csv(const RunContext& context, const PitTable& pits);
-
 /// Layers `lifted` (polygons) and `breaches` (lines), features ascending by (x, y). Nothing for pits.method: none.
 void write_edit_layers(const RunContext& context, GeoPackageWriter& out);
 

@@ -405,4 +405,12 @@ PipelineOptions read_config(const std::filesystem::path& path, std::span<const C
   return options;
 }
 
+PitOptions read_pit_options(std::span<const ConfigOverride> given, const std::filesystem::path& folder) {
+  ConfigValue tree{.kind = ConfigValue::Kind::section};
+  for (const auto& value : given) apply_override(tree, value);
+  PitOptions options;
+  read_pits(Reader(&tree, ""), folder, options);
+  return options;
+}
+
 }  // namespace hydrotin::app

@@ -22,6 +22,10 @@ namespace hydrotin::app {
 [[nodiscard]] PipelineOptions read_config(const std::filesystem::path& path,
                                           std::span<const ConfigOverride> overrides = {});
 
+/// The section `pits` alone, given key by key ("method", "keep.deeper_than_m"), for commands without a config.
+/// @param folder  relative paths count from it.
+[[nodiscard]] PitOptions read_pit_options(std::span<const ConfigOverride> given, const std::filesystem::path& folder);
+
 /// "4GiB", "500MB", "1.5 GB", "1048576": a number of bytes; units of 1000 (kB, MB, GB, TB) and 1024 (KiB, MiB, GiB,
 /// TiB).
 [[nodiscard]] std::optional<std::uint64_t> parse_byte_count(std::string_view text);

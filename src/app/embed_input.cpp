@@ -163,7 +163,8 @@ void join_lakes(EmbedInput& input, RiverConstraints& constraints) {
 /// By the policy, and lakes that no river leaves.
 void find_outlet_vertices(const EmbedArguments& arguments, EmbedInput& input, const RiverConstraints& constraints) {
   const std::string policy = arguments.outlets.empty() ? "hull" : arguments.outlets;
-  input.is_outlet = find_outlets(arguments.tin, policy, make_fill_terrain(arguments.tin, input.mesh));
+  input.is_outlet =
+      find_outlets(arguments.tin, {policy, input.mesh.crs_wkt, {}}, make_fill_terrain(arguments.tin, input.mesh));
   const auto lake = lake_numbers(static_cast<std::uint32_t>(input.position.size()), constraints.lakes);
   std::vector<std::uint8_t> is_left(constraints.lakes.size() + 1, 0);
   for (const auto& [from, to] : input.rivers)

@@ -8,17 +8,16 @@
 
 #include "hydrotin/lattice.h"
 #include "hydrotin/vertex_graph.h"
+#include "hydrotin/wide.h"
 
 namespace hydrotin {
-
-__extension__ using Int128 = __int128;
 
 struct Direction {
   std::int64_t x, y;
 };
 
-inline Int128 cross(Direction a, Direction b) {
-  return Int128{a.x} * b.y - Int128{a.y} * b.x;
+inline Wide cross(Direction a, Direction b) {
+  return Wide{a.x} * b.y - Wide{a.y} * b.x;
 }
 
 /// The order of directions met when turning counter-clockwise from `from`, which itself comes last.
@@ -26,9 +25,9 @@ struct CounterClockwiseFrom {
   Direction from;
 
   [[nodiscard]] int half(Direction d) const {
-    const Int128 side = cross(from, d);
+    const Wide side = cross(from, d);
     if (side != 0) return side > 0 ? 0 : 2;
-    return Int128{from.x} * d.x + Int128{from.y} * d.y < 0 ? 1 : 3;
+    return Wide{from.x} * d.x + Wide{from.y} * d.y < 0 ? 1 : 3;
   }
   bool operator()(Direction a, Direction b) const {
     const int p = half(a), q = half(b);

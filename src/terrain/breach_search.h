@@ -24,7 +24,7 @@ namespace hydrotin {
 ///   leaves from v before(v, w)                  the order that breaks ties
 class BreachSearch {
  public:
-  explicit BreachSearch(std::size_t num_vertices) : label_(num_vertices) {}
+  explicit BreachSearch(std::size_t num_vertices) : place_(num_vertices, 0) {}
 
   /// Finds the way from any of `sources`, all at `level`; false if there is none, or if more than `max_visits` vertices
   /// cost less to reach than the goal. (Which vertices these are does not depend on the order of visits.)
@@ -35,25 +35,25 @@ class BreachSearch {
     std::uint64_t num_visits = 0;
     std::int64_t limit_cost = -1;  // of the last vertex that may be visited
     for (const std::uint32_t v : sources) {
-      label_[v] = {0, 0, kSource, open_};
+      add(v, {0, 0, kSource, false});
       push({0, 0, v, 0});
-      touched_.push_back(v);
     }
     bool is_found = false;
     Entry best{};
     while (!heap_.empty()) {
       const Entry entry = pop();
       if (is_found && std::tie(entry.cost, entry.hops) != std::tie(best.cost, best.hops)) break;
-      if (entry.leaves == 0 && label_[entry.v].state == open_ + 1) continue;  // settled before
+      Label& label = label_[place_[entry.v]];
+      if (entry.leaves == 0 && label.is_settled) continue;
       if (limit_cost >= 0 && entry.cost > limit_cost) {
         is_unfinished_ = true;
         return false;
       }
       if (++num_visits == max_visits) limit_cost = entry.cost;
-      if (entry.leaves != 0 || (label_[entry.v].parent != kSource && ground.is_goal(entry.v, level))) {
+      if (entry.leaves != 0 || (label.parent != kSource && ground.is_goal(entry.v, level))) {
         if (!is_found || ground.before(entry.v, best.v)) best = entry;
         is_found = true;
-        if (entry.leaves == 0) label_[entry.v].state = open_ + 1;
+        if (entry.leaves == 0) label.is_settled = true;
         continue;
       }
       if (!is_found) settle(ground, entry, level);
@@ -70,15 +70,23 @@ class BreachSearch {
   [[nodiscard]] bool is_unfinished() const { return is_unfinished_; }
   /// All vertices that were reached, in order of discovery.
   [[nodiscard]] std::span<const std::uint32_t> touched() const { return touched_; }
+  /// Of a vertex that was reached: whether its way is the cheapest, and no more costly than visits allow.
+  [[nodiscard]] bool is_settled(std::uint32_t v) const { return label_[place_[v]].is_settled; }
   /// Cost of the cheapest way to a vertex so far, itself included.
-  [[nodiscard]] std::int64_t cost_to(std::uint32_t v) const { return label_[v].cost; }
+  [[nodiscard]] std::int64_t cost_to(std::uint32_t v) const { return label_[place_[v]].cost; }
+  [[nodiscard]] std::uint32_t hops_to(std::uint32_t v) const { return label_[place_[v]].hops; }
+  /// Takes the cheapest way to a vertex that is settled for the path.
+  void end_at(std::uint32_t v) {
+    path_.clear();
+    trace({cost_to(v), hops_to(v), v, 0});
+  }
 
  private:
   static constexpr std::uint32_t kSource = 0xffffffffu;
   struct Label {
     std::int64_t cost = 0;
     std::uint32_t hops = 0, parent = kSource;
-    std::uint32_t state = 0;  // open_ or open_ + 1 (settled) of this run, else not reached
+    bool is_settled = false;
   };
   struct Entry {
     std::int64_t cost;
@@ -87,16 +95,20 @@ class BreachSearch {
   __extension__ using Key = unsigned __int128;  // cost, hops, vertex, leaves: 63, 32, 32 and 1 bit
 
   void start() {
-    if (open_ >= 0xfffffff0u) {
-      std::fill(label_.begin(), label_.end(), Label{});
-      open_ = 0;
-    }
-    open_ += 2;
     heap_.clear();
     touched_.clear();
+    label_.clear();
     path_.clear();
     limit_ = -1;
     is_unfinished_ = false;
+  }
+  [[nodiscard]] bool is_reached(std::uint32_t v) const {
+    return place_[v] < touched_.size() && touched_[place_[v]] == v;
+  }
+  void add(std::uint32_t v, const Label& label) {
+    place_[v] = static_cast<std::uint32_t>(touched_.size());
+    touched_.push_back(v);
+    label_.push_back(label);
   }
   void push(const Entry& entry) {
     heap_.push(Key{static_cast<std::uint64_t>(entry.cost)} << 65 | Key{entry.hops} << 33 | Key{entry.v} << 1 |
@@ -111,29 +123,30 @@ class BreachSearch {
   template <class Ground>
   void settle(const Ground& ground, const Entry& entry, std::int32_t level) {
     const std::uint32_t v = entry.v;
-    label_[v].state = open_ + 1;
+    label_[place_[v]].is_settled = true;
     if (ground.is_exit(v, level)) {
       push({entry.cost, entry.hops + 1, v, 1});
       limit_ = entry.cost;
     }
     for (const std::uint32_t w : ground.neighbors(v)) {
-      Label& label = label_[w];
-      if (label.state == open_ + 1) continue;
+      const bool was_reached = is_reached(w);
+      if (was_reached && label_[place_[w]].is_settled) continue;
       const std::int64_t step = ground.cost(w, level);
       if (step < 0) continue;
       const std::int64_t cost = entry.cost + step;
       if (limit_ >= 0 && cost > limit_) continue;  // a way of this cost is known
       const std::uint32_t hops = entry.hops + 1;
-      if (label.state == open_) {
+      if (was_reached) {
+        Label& label = label_[place_[w]];
         if (std::tie(cost, hops) > std::tie(label.cost, label.hops)) continue;
         if (cost == label.cost && hops == label.hops) {
           if (ground.before(v, label.parent)) label.parent = v;
           continue;
         }
+        label = {cost, hops, v, false};
       } else {
-        touched_.push_back(w);
+        add(w, {cost, hops, v, false});
       }
-      label = {cost, hops, v, open_};
       push({cost, hops, w, 0});
       if (step == 0 && ground.is_goal(w, level)) limit_ = cost;
     }
@@ -142,14 +155,16 @@ class BreachSearch {
   void trace(const Entry& end) {
     cost_ = end.cost;
     leaves_ = end.leaves != 0;
-    for (std::uint32_t v = end.v; v != kSource; v = label_[v].parent) path_.push_back(v);
+    for (std::uint32_t v = end.v; v != kSource; v = label_[place_[v]].parent) path_.push_back(v);
     std::reverse(path_.begin(), path_.end());
   }
 
-  std::vector<Label> label_;
+  // Labels lie in the order of discovery, so that a short search stays in the cache. A place says where the label of a
+  // vertex would be: it is there if `touched_` says so, so that places need not be cleared.
+  std::vector<std::uint32_t> place_;  // [n]
+  std::vector<Label> label_;          // [touched]
   BasicMinHeap<Key> heap_;
   std::vector<std::uint32_t> touched_, path_;
-  std::uint32_t open_ = 0;
   std::int64_t limit_ = -1, cost_ = 0;
   bool leaves_ = false, is_unfinished_ = false;
 };

@@ -31,10 +31,12 @@ bool Breacher::run(std::span<const std::uint32_t> plateau, bool to_the_end) {
   const std::uint32_t pit = plateau.front();
   const std::int32_t level = terrain_->height[pit];
   is_unfinished_ = false;
+  explored_ = kNoVertexNumber;
   if (is_bounded()) {
     if (!to_the_end) return run_on(ground_, plateau, level, limits_.max_visits);
-    return run_on(ground_.limited_to(ground_.flood_level[pit], level), plateau, level,
-                  std::max(limits_.max_visits, 4 * lake_size_));
+    if (run_on(lake_ground(pit), plateau, level, lake_visits())) return true;
+    if (ground_.measure != ChangeMeasure::max && search_.path().empty()) explored_ = pit;
+    return false;
   }
   return !is_hopeless(pit) && run_on(ground_, plateau, level, limits_.max_visits);
 }
@@ -54,8 +56,8 @@ bool Breacher::run_on(TerrainGround ground, std::span<const std::uint32_t> plate
 
 bool Breacher::run_raised(std::span<const std::uint32_t> plateau) {
   if (outlets_.lowest_outlet == kNoLevel) return false;
+  if (is_bounded()) return run_to_lowest_drain(plateau);
   if (run_raised_to(plateau, outlets_.lowest_outlet)) return true;
-  if (is_bounded()) return false;
   const std::int32_t level = lowest_outlet_around(plateau.front());  // the lowest of all is out of reach
   return level != kNoLevel && level != outlets_.lowest_outlet && run_raised_to(plateau, level);
 }
@@ -63,9 +65,7 @@ bool Breacher::run_raised(std::span<const std::uint32_t> plateau) {
 bool Breacher::run_raised_to(std::span<const std::uint32_t> plateau, std::int32_t level) {
   TerrainGround ground = ground_;
   ground.any_drained_is_goal = true;
-  if (!is_bounded()) return run_on(ground, plateau, level, limits_.max_visits);
-  return run_on(ground.limited_to(ground.flood_level[plateau.front()], level), plateau, level,
-                std::max(limits_.max_visits, 4 * lake_size_));
+  return run_on(ground, plateau, level, limits_.max_visits);
 }
 
 std::int64_t Breacher::cost() const {
@@ -93,6 +93,27 @@ std::vector<std::uint32_t> Breacher::take_unknown() {
 // Whether nothing is lower than v, and no outlet as low.
 bool Breacher::is_hopeless(std::uint32_t v) const {
   return terrain_->height[v] < outlets_.lowest_outlet && terrain_->height[v] <= outlets_.lowest_inner;
+}
+
+// The way to the vertex with the lowest level of those that the search of the lake can look at. All of them are higher
+// than the pit, but to drain there is to raise the lake less. If that search was the last one, its answer is here.
+bool Breacher::run_to_lowest_drain(std::span<const std::uint32_t> plateau) {
+  const std::uint32_t pit = plateau.front();
+  const std::int32_t level = terrain_->height[pit];
+  if (explored_ != pit) {
+    TerrainGround ground = lake_ground(pit);
+    ground.has_goals = false;
+    search_.run(ground, plateau, level, lake_visits());
+  }
+  std::uint32_t lowest = pit;
+  const auto rank = [&](std::uint32_t v) {
+    return std::tuple(ground_.flood_level[v], search_.cost_to(v), search_.hops_to(v), terrain_->position[v]);
+  };
+  for (const std::uint32_t v : search_.touched())
+    if (search_.is_settled(v) && rank(v) < rank(lowest)) lowest = v;
+  if (ground_.flood_level[lowest] >= ground_.flood_level[pit]) return false;
+  search_.end_at(lowest);
+  return length() <= limits_.max_length;
 }
 
 // The lowest outlet that water can reach without passing another.

@@ -18,6 +18,7 @@ struct TerrainGround {
   ChangeMeasure measure;
   std::int64_t max_depth;
   bool any_drained_is_goal = false;  // for water that has been raised to `level`
+  bool has_goals = true;             // else all in reach is looked at
 
   [[nodiscard]] std::span<const std::uint32_t> neighbors(std::uint32_t v) const {
     if (!is_known.empty() && !is_known[v]) unknown->push_back(v);
@@ -32,6 +33,7 @@ struct TerrainGround {
     return depth * (terrain->weight.empty() ? 1 : terrain->weight[v]);
   }
   [[nodiscard]] bool is_goal(std::uint32_t v, std::int32_t level) const {
+    if (!has_goals) return false;
     if (any_drained_is_goal) return flood_level[v] <= level;
     const std::int32_t h = terrain->height[v];
     return h < level || (h == level && flood_level[v] == h);
@@ -60,7 +62,8 @@ class Breacher {
   bool run(std::span<const std::uint32_t> plateau, bool to_the_end = false);
   /// Whether the last search was ended by too many visits.
   [[nodiscard]] bool is_unfinished() const { return is_unfinished_; }
-  /// The way of water that is raised just so far that it can leave by a breach. For pits below all outlets in reach.
+  /// The way of water that is raised just so far that it can leave by a breach. For pits below all outlets in reach;
+  /// where visits are limited, after `run` to the end for the same pit.
   bool run_raised(std::span<const std::uint32_t> plateau);
   void set_lake_size(std::uint64_t num_vertices) { lake_size_ = num_vertices; }
 
@@ -78,6 +81,12 @@ class Breacher {
   };
   [[nodiscard]] bool is_bounded() const { return limits_.max_visits != ~std::uint64_t{0}; }
   [[nodiscard]] bool is_hopeless(std::uint32_t v) const;
+  [[nodiscard]] std::uint64_t lake_visits() const { return std::max(limits_.max_visits, 4 * lake_size_); }
+  /// What may be looked at for the lake of a pit: nothing above its level.
+  [[nodiscard]] TerrainGround lake_ground(std::uint32_t pit) const {
+    return ground_.limited_to(ground_.flood_level[pit], terrain_->height[pit]);
+  }
+  bool run_to_lowest_drain(std::span<const std::uint32_t> plateau);
   [[nodiscard]] std::int32_t lowest_outlet_around(std::uint32_t seed) const;
   Bottleneck bottleneck_depth(const TerrainGround& ground, std::span<const std::uint32_t> plateau, std::int32_t level,
                               std::uint64_t max_visits);
@@ -93,6 +102,7 @@ class Breacher {
   BreachSearch search_;
   std::uint64_t lake_size_ = 0;
   bool is_unfinished_ = false;
+  std::uint32_t explored_ = kNoVertexNumber;  // pit whose search to the end was the last, without success
   std::vector<std::uint32_t> touched_;
   std::vector<std::uint8_t> is_touched_;
 };

@@ -1,5 +1,6 @@
 #include "hydrotin/contour_tree.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cstddef>
 #include <utility>
@@ -22,34 +23,65 @@ std::uint32_t find(Ids& parent, std::uint32_t v) {
   return v;
 }
 
-/// One sweep: `sequence` visits the vertices, `before` tells which of two it visits first.
+/// What is known of the sets of a sweep before it begins.
 ///
-/// Sets of visited vertices are kept by union-find, whose first unions are known without any sweep: each vertex belongs
-/// to the set of the earliest of its neighbours. These are made in the order of the ids, where neighbours lie near each
-/// other in memory. Only a vertex whose earlier neighbours lie in several of these basins may join sets later.
-template <class Sequence, class Before>
-Ids merge_tree(const VertexGraph& graph, Sequence sequence, Before before) {
+/// Sets of visited vertices are kept by union-find, whose first unions need no sweep: each vertex belongs to the set of
+/// the earliest of its neighbours. These are made in the order of the ids, where neighbours lie near each other in
+/// memory. Only a vertex whose earlier neighbours lie in several of these basins may join sets later.
+struct Basins {
+  Ids parent;                  // union-find
+  std::vector<bool> may_join;  // [n]
+};
+
+/// The basins of the sweep upwards, of that downwards, or of both, for which neighbours are looked at once.
+template <bool kUp, bool kDown>
+void find_basins(const VertexGraph& graph, const Ids& rank, Basins* up, Basins* down) {
   const std::uint32_t n = graph.num_vertices();
-  Ids parent(n);
+  if constexpr (kUp) up->parent.resize(n), up->may_join.resize(n);
+  if constexpr (kDown) down->parent.resize(n), down->may_join.resize(n);
   for (std::uint32_t v = 0; v < n; ++v) {
-    std::uint32_t earliest = v;
-    for (const std::uint32_t w : graph.neighbors(v))
-      if (before(w, earliest)) earliest = w;
-    parent[v] = earliest;
+    std::uint32_t lowest = v, highest = v, least = rank[v], most = rank[v];
+    for (const std::uint32_t w : graph.neighbors(v)) {  // without branches: which neighbour it is cannot be guessed
+      const std::uint32_t r = rank[w];
+      if constexpr (kUp) lowest = r < least ? w : lowest, least = std::min(least, r);
+      if constexpr (kDown) highest = r > most ? w : highest, most = std::max(most, r);
+    }
+    if constexpr (kUp) up->parent[v] = lowest;
+    if constexpr (kDown) down->parent[v] = highest;
   }
-  for (std::uint32_t v = 0; v < n; ++v) parent[v] = find(parent, v);
-  std::vector<bool> may_join(n);
   for (std::uint32_t v = 0; v < n; ++v) {
-    bool several = false;
-    for (const std::uint32_t w : graph.neighbors(v)) several |= parent[w] != parent[v] && before(w, v);
-    may_join[v] = several;
+    if constexpr (kUp) up->parent[v] = find(up->parent, v);
+    if constexpr (kDown) down->parent[v] = find(down->parent, v);
   }
-  Ids next(n, kNoVertex), last(n);  // last: of a set, at its root
+  for (std::uint32_t v = 0; v < n; ++v) {
+    unsigned joins = 0, splits = 0;
+    for (const std::uint32_t w : graph.neighbors(v)) {
+      const auto is_lower = static_cast<unsigned>(rank[w] < rank[v]);
+      if constexpr (kUp) joins |= is_lower & static_cast<unsigned>(up->parent[w] != up->parent[v]);
+      if constexpr (kDown) splits |= (is_lower ^ 1U) & static_cast<unsigned>(down->parent[w] != down->parent[v]);
+    }
+    if constexpr (kUp) up->may_join[v] = joins != 0;
+    if constexpr (kDown) down->may_join[v] = splits != 0;
+  }
+}
+
+/// One sweep: `sequence` visits the vertices, `before` tells which of two it visits first.
+template <class Sequence, class Before>
+Ids merge_tree(const VertexGraph& graph, Basins basins, Sequence sequence, Before before) {
+  const std::uint32_t n = graph.num_vertices();
+  Ids& parent = basins.parent;
+  Ids next(n, kNoVertex), last(n);                                            // last: of a set, at its root
+  constexpr std::uint32_t kFetchVertex = 32, kFetchRoot = 16, kFetchEnd = 8;  // visits ahead
   for (std::uint32_t i = 0; i < n; ++i) {
+    if (i + kFetchVertex < n) {  // neighbours in height are far from each other in memory, but known ahead
+      __builtin_prefetch(&parent[sequence(i + kFetchVertex)]);
+      __builtin_prefetch(&last[parent[sequence(i + kFetchRoot)]]);
+      __builtin_prefetch(&next[last[parent[sequence(i + kFetchEnd)]]]);
+    }
     const std::uint32_t v = sequence(i);
     const std::uint32_t root = find(parent, v);
     if (root != v) next[last[root]] = v;
-    if (may_join[v]) {
+    if (basins.may_join[v]) {
       for (const std::uint32_t w : graph.neighbors(v)) {
         if (!before(w, v)) continue;
         const std::uint32_t other = find(parent, w);
@@ -63,15 +95,15 @@ Ids merge_tree(const VertexGraph& graph, Sequence sequence, Before before) {
   return next;
 }
 
-Ids join_tree(const VertexGraph& graph, std::span<const std::uint32_t> ascending, const Ids& rank) {
+Ids join_tree(const VertexGraph& graph, std::span<const std::uint32_t> ascending, const Ids& rank, Basins basins) {
   return merge_tree(
-      graph, [&](std::uint32_t i) { return ascending[i]; },
+      graph, std::move(basins), [&](std::uint32_t i) { return ascending[i]; },
       [&](std::uint32_t v, std::uint32_t w) { return rank[v] < rank[w]; });
 }
 
-Ids split_tree(const VertexGraph& graph, std::span<const std::uint32_t> ascending, const Ids& rank) {
+Ids split_tree(const VertexGraph& graph, std::span<const std::uint32_t> ascending, const Ids& rank, Basins basins) {
   return merge_tree(
-      graph, [&](std::uint32_t i) { return ascending[ascending.size() - 1 - i]; },
+      graph, std::move(basins), [&](std::uint32_t i) { return ascending[ascending.size() - 1 - i]; },
       [&](std::uint32_t v, std::uint32_t w) { return rank[v] > rank[w]; });
 }
 
@@ -117,12 +149,18 @@ Ids ascending_vertices(std::span<const std::int32_t> height, std::span<const Lat
 
 Ids join_tree(const VertexGraph& graph, std::span<const std::uint32_t> ascending) {
   assert(ascending.size() == graph.num_vertices() && "all vertices");
-  return join_tree(graph, ascending, ranks_of(ascending));
+  const Ids rank = ranks_of(ascending);
+  Basins up;
+  find_basins<true, false>(graph, rank, &up, nullptr);
+  return join_tree(graph, ascending, rank, std::move(up));
 }
 
 Ids split_tree(const VertexGraph& graph, std::span<const std::uint32_t> ascending) {
   assert(ascending.size() == graph.num_vertices() && "all vertices");
-  return split_tree(graph, ascending, ranks_of(ascending));
+  const Ids rank = ranks_of(ascending);
+  Basins down;
+  find_basins<false, true>(graph, rank, nullptr, &down);
+  return split_tree(graph, ascending, rank, std::move(down));
 }
 
 std::optional<ContourTree> contour_tree(const VertexGraph& graph, std::span<const std::int32_t> height,
@@ -130,18 +168,21 @@ std::optional<ContourTree> contour_tree(const VertexGraph& graph, std::span<cons
   assert(height.size() == graph.num_vertices() && position.size() == height.size() && "one entry per vertex");
   const std::uint32_t n = graph.num_vertices();
   ContourTree tree{{}, order_vertices(height, position)};
-  std::vector<Node> node(n);
+  std::vector<Node> node;
   std::uint32_t num_left = n;
   {
     const Ids rank = ranks_of(tree.ascending);
+    Basins joining, splitting;
+    find_basins<true, true>(graph, rank, &joining, &splitting);
     {
-      const Ids up = join_tree(graph, tree.ascending, rank);
+      const Ids up = join_tree(graph, tree.ascending, rank, std::move(joining));
+      node.resize(n);
       for (std::uint32_t v = 0; v < n; ++v) {
         node[v].up = up[v];
         if (up[v] != kNoVertex) ++node[up[v]].num_below;
       }
     }
-    const Ids down = split_tree(graph, tree.ascending, rank);
+    const Ids down = split_tree(graph, tree.ascending, rank, std::move(splitting));
     for (std::uint32_t v = 0; v < n; ++v) {
       node[v].down = down[v];
       if (down[v] != kNoVertex) ++node[down[v]].num_above;

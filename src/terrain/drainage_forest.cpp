@@ -51,33 +51,44 @@ void ForestFinder::run(std::span<const std::int32_t> surface, DrainageForest& fo
   keys_.resize(k);
   for (std::uint32_t i = 0; i < k; ++i) keys_[i] = key(by_height_[i]);
   sort_by_upper_half(keys_);
-  forest.parent.assign(k, kWaiting);
+  member_.resize(k);
+  for (std::uint32_t v = 0; v < k; ++v) {
+    const bool leaves = problem.exit[v] != kNoLevel && problem.exit[v] <= surface[v];
+    member_[v] = {surface[v], rank_[v], leaves ? kRoot : kWaiting, false};
+  }
   forest.order.clear();
-  for (std::uint32_t v = 0; v < k; ++v)
-    if (problem.exit[v] != kNoLevel && problem.exit[v] <= surface[v]) forest.parent[v] = kRoot;
-  std::vector<bool> is_done(k);
   MinHeap late;
   for (std::size_t next = 0; next < k || !late.empty();) {
     std::uint32_t v;
     if (!late.empty() && (next == k || late.top() < keys_[next])) {
       v = by_height_[static_cast<std::uint32_t>(late.pop())];
+      if (!late.empty()) __builtin_prefetch(&by_height_[static_cast<std::uint32_t>(late.top())]);
     } else {
       v = by_height_[static_cast<std::uint32_t>(keys_[next++])];
-      if (forest.parent[v] == kWaiting) continue;  // reached later, from another place of its flat
+      if (member_[v].parent == kWaiting) continue;  // reached later, from another place of its flat
     }
-    is_done[v] = true;
+    member_[v].is_done = true;
     forest.order.push_back(v);
+    const std::int32_t water = member_[v].surface;
     for (const std::uint32_t w : problem.neighbors(v)) {
-      if (is_done[w] || surface[w] < surface[v]) continue;
-      if (forest.parent[w] == kWaiting) {
-        forest.parent[w] = v;
-        if (next > 0 && key(w) <= keys_[next - 1]) late.push(key(w));
-      } else if (forest.parent[w] == kRoot && surface[v] < problem.exit[w]) {
-        forest.parent[w] = v;
+      Member& m = member_[w];
+      if (m.is_done || m.surface < water) continue;
+      if (m.parent == kWaiting) {
+        m.parent = v;
+        const std::uint64_t place = (std::uint64_t{static_cast<std::uint32_t>(m.surface) ^ 0x80000000u} << 32) | m.rank;
+        if (next > 0 && place <= keys_[next - 1]) {
+          late.push(place);
+          __builtin_prefetch(&by_height_[m.rank]);
+          __builtin_prefetch(&problem.begin[w]);
+        }
+      } else if (m.parent == kRoot && water < problem.exit[w]) {
+        m.parent = v;
       }
     }
   }
   assert(forest.order.size() == k && "the surface drains");
+  forest.parent.resize(k);
+  for (std::uint32_t v = 0; v < k; ++v) forest.parent[v] = member_[v].parent;
 }
 
 std::uint32_t TreeRegression::meld(std::uint32_t a, std::uint32_t b) {
@@ -139,7 +150,15 @@ void TreeRegression::least_total(const DrainageProblem& problem, const DrainageF
   free_.clear();
   heap_.assign(k, kRoot);
   surface.resize(k);
+  constexpr std::size_t kAhead = 16;
   for (std::size_t i = k; i-- > 0;) {
+    if (i >= kAhead) {  // neighbours in the forest's order are far from each other in memory, but known ahead
+      const std::uint32_t soon = forest.order[i - kAhead];
+      __builtin_prefetch(&heap_[soon]);
+      __builtin_prefetch(&forest.parent[soon]);
+      __builtin_prefetch(&problem.height[soon]);
+      __builtin_prefetch(&surface[soon]);
+    }
     const std::uint32_t v = forest.order[i];
     std::uint32_t heap = heap_[v];
     const std::int64_t weight = problem.weight_of(v);
@@ -167,8 +186,13 @@ void TreeRegression::least_total(const DrainageProblem& problem, const DrainageF
     const std::uint32_t p = forest.parent[v];
     if (p != kRoot) heap_[p] = meld(heap_[p], heap);
   }
-  for (const std::uint32_t v : forest.order) {
-    const std::uint32_t p = forest.parent[v];
+  for (std::size_t i = 0; i < k; ++i) {
+    if (i + kAhead < k) {
+      const std::uint32_t soon = forest.order[i + kAhead];
+      __builtin_prefetch(&forest.parent[soon]);
+      __builtin_prefetch(&surface[soon]);
+    }
+    const std::uint32_t v = forest.order[i], p = forest.parent[v];
     surface[v] = std::max(surface[v], p == kRoot ? problem.exit[v] : surface[p]);
   }
 }

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cstdlib>
 
-#include "min_heap.h"
+#include "flood.h"
 
 namespace hydrotin {
 
@@ -31,36 +31,16 @@ std::int64_t cost_of(const DrainageProblem& problem, std::span<const std::int32_
 
 std::vector<std::int32_t> lift(const DrainageProblem& problem, std::span<const std::int32_t> surface) {
   assert(surface.size() == problem.height.size() && "one height per member");
-  const auto key = [](std::int32_t level, std::uint32_t v) {
-    return (std::uint64_t{static_cast<std::uint32_t>(level) ^ 0x80000000u} << 32) | v;
-  };
-  std::vector<std::int32_t> level(surface.size(), kNoLevel);
-  MinHeap heap;
+  std::vector<std::int32_t> level(surface.begin(), surface.end());
+  Flood flood(problem, level);
   for (std::uint32_t v = 0; v < problem.size(); ++v) {
     if (problem.exit[v] == kNoLevel) continue;
-    level[v] = std::max(problem.exit[v], surface[v]);
-    heap.push(key(level[v], v));
+    if (problem.exit[v] <= surface[v])
+      flood.add_source(v, surface[v]);
+    else
+      flood.add_inlet(v, problem.exit[v]);
   }
-  std::vector<std::uint32_t> pool;  // reached at the level of the water: no need to queue
-  while (!heap.empty()) {
-    const std::uint64_t top = heap.pop();
-    if (top != key(level[static_cast<std::uint32_t>(top)], static_cast<std::uint32_t>(top))) continue;
-    pool.push_back(static_cast<std::uint32_t>(top));
-    while (!pool.empty()) {
-      const std::uint32_t v = pool.back();
-      pool.pop_back();
-      const std::int32_t water = level[v];
-      for (const std::uint32_t w : problem.neighbors(v)) {
-        const std::int32_t through = std::max(water, surface[w]);
-        if (through >= level[w]) continue;
-        level[w] = through;
-        if (through == water)
-          pool.push_back(w);
-        else
-          heap.push(key(through, w));
-      }
-    }
-  }
+  flood.run([](std::uint32_t, std::uint32_t) {});
   return level;
 }
 

@@ -21,10 +21,13 @@ namespace hydrotin {
 /// the lowest rim, at level L, is taken, every vertex that could lead into the lower region behind it has level L at
 /// least: the region up to its own shores is a pool of level L. Candidates for the heap are checked again after the
 /// climb, because most of them have been reached from elsewhere by then.
+///
+/// Graph provides neighbors(v), and the offsets of their lists in `begin`.
+template <class Graph>
 class Flood {
  public:
   /// @param level  [n] in: heights; out: levels, kNoLevel where no source leads.
-  Flood(const VertexGraph& graph, std::span<std::int32_t> level)
+  Flood(const Graph& graph, std::span<std::int32_t> level)
       : graph_(&graph), level_(level), reached_(level.size() / 64 + 1, 0) {}
 
   void add_source(std::uint32_t v, std::int32_t level) {
@@ -33,12 +36,20 @@ class Flood {
     climb_.push_back(v);
   }
 
+  /// Water that stands at `level` outside comes in at v, which is lower and no source.
+  void add_inlet(std::uint32_t v, std::int32_t level) { rim_.push(key(level, v)); }
+
   /// Calls reach(v, w) once for every w that is no source, v being a neighbour reached before it.
   template <class Reach>
   void run(Reach reach) {
     climb(reach);
     while (!rim_.empty()) {
-      const auto v = static_cast<std::uint32_t>(rim_.pop());
+      const std::uint64_t lowest = rim_.pop();
+      const auto v = static_cast<std::uint32_t>(lowest);
+      if (!is_reached(v)) {  // an inlet
+        set_reached(v);
+        level_[v] = static_cast<std::int32_t>(static_cast<std::uint32_t>(lowest >> 32) ^ 0x80000000u);
+      }
       if (!rim_.empty()) __builtin_prefetch(&graph_->begin[static_cast<std::uint32_t>(rim_.top())]);
       pool_.push_back(v);
       fill(level_[v], reach);
@@ -112,7 +123,7 @@ class Flood {
     }
   }
 
-  const VertexGraph* graph_;
+  const Graph* graph_;
   std::span<std::int32_t> level_;
   std::vector<std::uint64_t> reached_;  // a bit per vertex: stays in the cache where the levels do not
   std::vector<std::uint32_t> climb_, candidate_, pool_;

@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::uint32_t kFewMembers = 100;      // below: every way of breaching is tried
 constexpr std::uint32_t kManyMembers = 10'000;  // above: with limited searches, only the breaches that are known
+constexpr std::int64_t kSmallGain = 200;        // and no round after one that gains less than this part of the cost
 
 /// Breaches what is left, where that is possible at all, along the forest by which the flood drains; the rest is
 /// lifted.
@@ -125,8 +126,10 @@ class Improver {
       for (std::uint32_t v = 0; v < next_.size(); ++v) next_[v] = std::min(next_[v], (*level_)[v]);
       const auto next_cost = rank_of(*problem_, next_, options_.measure);
       if (next_cost >= cost) break;
+      const bool is_last = is_large() && next_cost.first > cost.first - cost.first / kSmallGain;
       cost = next_cost;
       surface.swap(next_);
+      if (is_last) break;
     }
     if (best_.empty() || cost < best_cost_) {
       best_cost_ = cost;
@@ -137,6 +140,10 @@ class Improver {
   [[nodiscard]] std::vector<std::int32_t> take_best() { return std::move(best_); }
 
  private:
+  [[nodiscard]] bool is_large() const {
+    return problem_->size() > kManyMembers && options_.limits.max_visits != ~std::uint64_t{0};
+  }
+
   const DrainageProblem* problem_;
   const std::vector<std::int32_t>* level_;
   LeastChangeOptions options_;

@@ -12,11 +12,11 @@
 namespace hydrotin {
 namespace {
 
-Int128 sixfold_of(const PoolContent& content) {
-  return (static_cast<Int128>(content.sixfold_high) * (Int128{1} << 64)) | content.sixfold_low;
+Wide sixfold_of(const PoolContent& content) {
+  return (static_cast<Wide>(content.sixfold_high) * (Wide{1} << 64)) | content.sixfold_low;
 }
 
-void set_sixfold(PoolContent& content, Int128 value) {
+void set_sixfold(PoolContent& content, Wide value) {
   content.sixfold_high = static_cast<std::int64_t>(value >> 64);
   content.sixfold_low = static_cast<std::uint64_t>(value);
 }
@@ -37,7 +37,7 @@ class ContentSweep : protected PoolSweep {
     content.num_vertices = static_cast<std::int64_t>(pool.num_vertices);
     content.num_below = content.num_vertices - (pool.top == level ? static_cast<std::int64_t>(pool.num_at_top) : 0);
     content.sum_of_heights = pool.sum_of_heights;
-    Int128 sixfold = 0;
+    Wide sixfold = 0;
     measure_water(pool, level, content.doubled_area, sixfold);
     set_sixfold(content, sixfold);
     return content;

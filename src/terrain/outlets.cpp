@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cassert>
 #include <cstddef>
+#include <cstdlib>
 #include <numeric>
 #include <tuple>
 
 #include "boundary_walk.h"
+#include "hydrotin/rasterize.h"
 
 namespace hydrotin {
 namespace {
@@ -33,7 +35,7 @@ std::vector<std::uint8_t> hull_outlets(const VertexGraph& graph, std::span<const
   std::vector<bool> is_seen(next.size());
   for (std::uint32_t seed = 0; seed < next.size(); ++seed) {
     if (is_seen[seed]) continue;
-    Int128 doubled_area = 0;
+    Wide doubled_area = 0;
     const LatticePoint origin = position[graph.boundary[seed].origin];
     for (std::uint32_t i = seed; !is_seen[i]; i = next[i]) {
       is_seen[i] = true;
@@ -109,6 +111,19 @@ std::vector<std::uint32_t> pieces_without_outlet(const VertexGraph& graph, std::
   for (std::size_t i = 0; i < smallest.size(); ++i)
     if (!drains[i]) result.push_back(smallest[i]);
   return result;
+}
+
+void mark_void_corners(std::span<const LatticePoint> position, std::span<const std::uint32_t> triangle_vertex,
+                       std::uint64_t max_squared_edge, std::span<std::uint8_t> is_outlet) {
+  for (std::size_t t = 0; t < triangle_vertex.size(); t += 3)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const LatticePoint a = position[triangle_vertex[t + i]], b = position[triangle_vertex[t + (i + 1) % 3]];
+      const auto dx = static_cast<std::uint64_t>(std::abs(std::int64_t{a.x} - b.x));
+      const auto dy = static_cast<std::uint64_t>(std::abs(std::int64_t{a.y} - b.y));
+      const bool is_long =
+          std::max(dx, dy) >> 31 ? max_squared_edge != kNoEdgeLimit : dx * dx + dy * dy > max_squared_edge;
+      for (std::size_t j = 0; is_long && j < 3; ++j) is_outlet[triangle_vertex[t + j]] = 1;
+    }
 }
 
 }  // namespace hydrotin

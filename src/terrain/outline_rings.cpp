@@ -29,7 +29,7 @@ Ring normal_form(std::vector<std::uint32_t> vertex, std::span<const LatticePoint
   Ring ring;
   const auto before = [&](std::uint32_t a, std::uint32_t b) { return position[a] < position[b]; };
   std::rotate(vertex.begin(), std::min_element(vertex.begin(), vertex.end(), before), vertex.end());
-  Int128 doubled_area = 0;
+  Wide doubled_area = 0;
   const LatticePoint origin = position[vertex.front()];
   const auto towards = [&](std::uint32_t v) {
     return Direction{std::int64_t{position[v].x} - origin.x, std::int64_t{position[v].y} - origin.y};

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <numeric>
 #include <tuple>
+
+#include "hydrotin/error.h"
 
 namespace hydrotin {
 namespace {
@@ -26,6 +29,43 @@ std::vector<std::uint8_t> pits_to_keep(std::span<const PitBasin> pits, std::span
       return holds(clause, pits[i], !is_marked.empty() && is_marked[i] != 0);
     });
   return is_kept;
+}
+
+std::vector<std::uint8_t> pits_to_keep(std::span<const PitBasin> pits, const KeepConditions& conditions) {
+  const KeepConditions& c = conditions;
+  std::vector<KeepClause> clauses;
+  const auto clause = [&]() -> KeepClause& {
+    return c.all_conditions && !clauses.empty() ? clauses.front() : clauses.emplace_back();
+  };
+  if (c.deeper_than)
+    clause().deeper_than = static_cast<std::int64_t>(std::floor(std::min(*c.deeper_than + 1e-6, 1e18)));
+  if (c.larger_than) clause().larger_than = *c.larger_than;
+  if (c.volume_above) clause().volume_above = *c.volume_above;
+  const bool asks_inside = !c.is_inside.empty(), asks_listed = !c.is_listed.empty();
+  assert((!asks_inside || c.is_inside.size() == pits.size()) && "one entry per pit");
+  assert((!asks_listed || c.is_listed.size() == pits.size()) && "one entry per pit");
+  std::vector<std::uint8_t> is_marked;
+  if (asks_inside || asks_listed) {
+    clause().only_marked = true;
+    for (std::size_t i = 0; i < pits.size(); ++i) {
+      const bool inside = asks_inside && c.is_inside[i] != 0, listed = asks_listed && c.is_listed[i] != 0;
+      is_marked.push_back(asks_inside && asks_listed && c.all_conditions ? inside && listed : inside || listed);
+    }
+  }
+  return pits_to_keep(pits, clauses, is_marked);
+}
+
+std::vector<std::uint8_t> listed_pits(std::span<const std::uint64_t> ids, std::size_t num_pits,
+                                      const std::string& option) {
+  std::vector<std::uint8_t> is_listed(num_pits, 0);
+  for (const std::uint64_t id : ids) {
+    if (id >= num_pits)
+      throw Error(ErrorKind::config, option + ": there is no pit " + std::to_string(id) + "; ids count from 0 to " +
+                                         std::to_string(num_pits) +
+                                         " (excluded): see the table of pits of a run on the same points");
+    is_listed[id] = 1;
+  }
+  return is_listed;
 }
 
 std::vector<std::uint8_t> keep_all_but_cheapest(std::span<const PitBasin> pits, std::size_t m) {

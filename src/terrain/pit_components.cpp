@@ -250,12 +250,16 @@ PitComponents find_pit_components(const ChangeableTerrain& terrain, MemberReach 
     lakes.add_lakes(breacher);
   }
   std::vector<std::uint8_t> is_member = lakes.take_members();
-  const std::vector<std::int32_t> height = filled_heights(terrain, result);
   ChangeableTerrain filled = terrain;
-  filled.height = height;
-  std::vector<std::uint8_t> is_outlet(terrain.is_outlet.begin(), terrain.is_outlet.end());
-  for (const std::uint32_t v : result.filled) is_outlet[v] = 1;  // a flat with filled lakes stays with them
-  filled.is_outlet = is_outlet;
+  std::vector<std::int32_t> height;
+  std::vector<std::uint8_t> is_outlet;
+  if (!result.filled.empty()) {
+    height = filled_heights(terrain, result);
+    is_outlet.assign(terrain.is_outlet.begin(), terrain.is_outlet.end());
+    for (const std::uint32_t v : result.filled) is_outlet[v] = 1;  // a flat with filled lakes stays with them
+    filled.height = height;
+    filled.is_outlet = is_outlet;
+  }
   (void)add_flats_without_descent(filled, result.level, {}, is_member);
   collect_components(filled, is_member, lakes.take_pits(), result);
   return result;

@@ -13,7 +13,7 @@
 namespace hydrotin {
 namespace {
 
-std::int64_t rounded(Int128 numerator, Int128 denominator) {
+std::int64_t rounded(Wide numerator, Wide denominator) {
   return static_cast<std::int64_t>((numerator + denominator / 2) / denominator);
 }
 
@@ -72,7 +72,7 @@ class Hierarchy : private PoolSweep {
     pit.spill_level = level;
     pit.num_vertices = pool.num_vertices - (pool.top == level ? pool.num_at_top : 0);
     pit.displacement = static_cast<std::int64_t>(pool.num_vertices) * level - pool.sum_of_heights;
-    Int128 sixfold = 0;
+    Wide sixfold = 0;
     measure_water(pool, level, pit.doubled_area, sixfold);
     pit.volume = static_cast<double>(sixfold) / 6;
   }
@@ -141,16 +141,16 @@ FloodedPart flooded_part(const std::array<LatticePoint, 3>& corner, std::array<s
   std::sort(height.begin(), height.end());
   const std::int64_t low = height[0], middle = height[1], high = height[2];
   if (level <= low) return {};
-  const std::int64_t all = area * (3 * std::int64_t{level} - low - middle - high);
+  const Wide all = Wide{area} * (3 * std::int64_t{level} - low - middle - high);
   if (level >= high) return {area, all};
   // The corner below, or above, the level is cut off by two similar triangles.
   const bool one_below = level <= middle;
   const std::int64_t rise = one_below ? level - low : high - level;
-  const Int128 sides = one_below ? Int128{middle - low} * (high - low) : Int128{high - low} * (high - middle);
-  const Int128 squared = Int128{area} * rise * rise;
+  const Wide sides = one_below ? Wide{middle - low} * (high - low) : Wide{high - low} * (high - middle);
+  const Wide squared = Wide{area} * rise * rise;
   const std::int64_t cut_area = rounded(squared, sides);
-  const Int128 whole = squared / sides, rest = squared % sides;
-  const auto cut_volume = static_cast<std::int64_t>(whole * rise + (rest * rise + sides / 2) / sides);
+  const Wide whole = squared / sides, rest = squared % sides;
+  const Wide cut_volume = whole * rise + (rest * rise + sides / 2) / sides;
   if (one_below) return {cut_area, cut_volume};
   return {area - cut_area, all + cut_volume};
 }

@@ -93,9 +93,9 @@ Removal remove_pits(const ChangeableTerrain& terrain, const RemovalOptions& opti
   PitComponents components = find_pit_components(terrain, reach_of(options), options.measure, options.limits);
   result.height = filled_heights(terrain, components);
   {
-    const std::vector<std::int32_t> height = result.height;
     ChangeableTerrain filled = terrain;
-    filled.height = height;
+    std::vector<std::int32_t> height;
+    if (!components.filled.empty()) filled.height = height = result.height;
     result.num_unguaranteed = solve_components(filled, components, options, result.height);
   }
   result.cost = total_cost(terrain, result.height, options.measure);

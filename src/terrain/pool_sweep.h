@@ -11,10 +11,9 @@
 #include "hydrotin/lattice.h"
 #include "hydrotin/pit_hierarchy.h"
 #include "hydrotin/vertex_graph.h"
+#include "hydrotin/wide.h"
 
 namespace hydrotin {
-
-__extension__ using Int128 = __int128;
 
 inline constexpr std::uint32_t kNone = 0xffffffffu;
 
@@ -29,7 +28,7 @@ struct Pool {
   std::int64_t sum_of_heights = 0;
   std::int64_t spent = 0;         ///< sum of the increments given to its pits so far
   std::int64_t doubled_area = 0;  ///< of its triangles under water
-  Int128 weighted_height = 0;     ///< sum of doubled area times sum of corner heights of these
+  Wide weighted_height = 0;       ///< sum of doubled area times sum of corner heights of these
 };
 
 /// Pools of rising water with their vertices and triangles.
@@ -80,7 +79,7 @@ class PoolSweep {
   }
 
   // Triangles found under water are summed up and leave the list.
-  void measure_water(Pool& pool, std::int32_t level, std::int64_t& doubled_area, Int128& sixfold) {
+  void measure_water(Pool& pool, std::int32_t level, std::int64_t& doubled_area, Wide& sixfold) {
     std::int64_t area = 0;
     sixfold = 0;
     std::uint32_t first = kNone, last = kNone;
@@ -90,7 +89,7 @@ class PoolSweep {
       if (std::max({h[0], h[1], h[2]}) <= level && std::min({h[0], h[1], h[2]}) < level) {
         const std::int64_t doubled = flooded_part(corners_of(t), h, level).doubled_area;
         pool.doubled_area += doubled;
-        pool.weighted_height += Int128{doubled} * (std::int64_t{h[0]} + h[1] + h[2]);
+        pool.weighted_height += Wide{doubled} * (std::int64_t{h[0]} + h[1] + h[2]);
       } else {
         const FloodedPart part = flooded_part(corners_of(t), h, level);
         area += part.doubled_area;
@@ -104,7 +103,7 @@ class PoolSweep {
     pool.first_triangle = first;
     pool.last_triangle = last;
     doubled_area = area + pool.doubled_area;
-    sixfold += Int128{3} * pool.doubled_area * level - pool.weighted_height;
+    sixfold += Wide{3} * pool.doubled_area * level - pool.weighted_height;
   }
 
   void absorb(std::uint32_t elder, std::uint32_t number) {

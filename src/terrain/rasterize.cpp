@@ -8,11 +8,12 @@
 #include <utility>
 #include <vector>
 
+#include "hydrotin/wide.h"
+
 namespace hydrotin {
 namespace {
 
-__extension__ typedef __int128 Int128;
-__extension__ typedef unsigned __int128 UInt128;
+__extension__ typedef unsigned __int128 UWide;
 
 /// The centres of the columns of a window from the left, or of its rows from below.
 class Axis {
@@ -162,9 +163,9 @@ class Painter {
   const Canvas* canvas_;
 };
 
-UInt128 squared_distance(LatticePoint a, LatticePoint b) {
+UWide squared_distance(LatticePoint a, LatticePoint b) {
   const std::int64_t dx = std::int64_t{a.x} - b.x, dy = std::int64_t{a.y} - b.y;
-  return static_cast<UInt128>(static_cast<Int128>(dx) * dx + static_cast<Int128>(dy) * dy);
+  return static_cast<UWide>(static_cast<Wide>(dx) * dx + static_cast<Wide>(dy) * dy);
 }
 
 std::uint64_t paint_triangle(std::array<Corner, 3> v, const Block& block, std::uint64_t max_squared_edge,
@@ -178,7 +179,7 @@ std::uint64_t paint_triangle(std::array<Corner, 3> v, const Block& block, std::u
   constexpr std::int64_t kSmall = std::int64_t{1} << 14;
   const auto [low, high] = std::minmax({a.y, b.y, c.y});
   const bool is_small = std::int64_t{c.x} - a.x < kSmall && std::int64_t{high} - low < kSmall;
-  return is_small ? Painter<std::int64_t>(v, canvas).paint(block) : Painter<Int128>(v, canvas).paint(block);
+  return is_small ? Painter<std::int64_t>(v, canvas).paint(block) : Painter<Wide>(v, canvas).paint(block);
 }
 
 }  // namespace

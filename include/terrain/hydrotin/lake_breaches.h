@@ -16,13 +16,16 @@
 ///
 /// With `BreachLimits::max_visits` the work for a lake is bounded: each pit's search looks at so many vertices; of the
 /// pits for which these were too few, the lowest is searched for again, among the vertices not above the lake's level,
-/// until as many were looked at as four times the lake has. If neither finds a breach, the lowest pit without one is
-/// treated as if its water were raised to the lowest of all outlets.
+/// until as many were looked at as four times the lake has. If neither finds a breach, the water of the lowest pit
+/// without one is treated as if it were raised to the lowest level at which any of these vertices drains. (Without
+/// `max_visits`: to the lowest of all outlets.)
 ///
 /// Source   thesis, Theorem 6.2; FINDINGS C3.
 /// Properties
 ///   (1) The result does not depend on the numbering of vertices, nor on the part that was asked, once it knows enough.
-/// Threads  One object belongs to one thread; it keeps 24 to 25 bytes per vertex from call to call.
+/// Threads  One object belongs to one thread; it keeps 4 to 6 bytes per vertex from call to call, and 28 for each
+/// vertex
+///          that its largest search looked at.
 
 namespace hydrotin {
 

@@ -49,4 +49,12 @@ enum class VoidOutlets : std::uint8_t { closed, draining };
                                                                std::span<const LatticePoint> position,
                                                                std::span<const std::uint8_t> is_outlet);
 
+/// Voids as long edges: sets the flags of the corners of triangles with an edge longer than a limit.
+///
+/// @param triangle_vertex     [3T]
+/// @param max_squared_edge    squared lattice units; `squared_edge_limit` of rasterize.h.
+/// Complexity: O(T).
+void mark_void_corners(std::span<const LatticePoint> position, std::span<const std::uint32_t> triangle_vertex,
+                       std::uint64_t max_squared_edge, std::span<std::uint8_t> is_outlet);
+
 }  // namespace hydrotin

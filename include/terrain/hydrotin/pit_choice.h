@@ -3,7 +3,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "hydrotin/pit_hierarchy.h"
@@ -40,6 +42,28 @@ struct KeepClause {
 [[nodiscard]] std::vector<std::uint8_t> pits_to_keep(std::span<const PitBasin> pits,
                                                      std::span<const KeepClause> clauses,
                                                      std::span<const std::uint8_t> is_marked);
+
+/// What users say about pits to keep. Empty members are conditions that are not given; none given: no pit is kept.
+struct KeepConditions {
+  std::optional<double> deeper_than;          ///< depth > this [z lattice units]; a multiple of the unit is not passed
+                                              ///< by the rounding of its text
+  std::optional<double> larger_than;          ///< area > this [squared lattice units]
+  std::optional<double> volume_above;         ///< volume > this [cubed lattice units]
+  std::span<const std::uint8_t> is_inside{};  ///< [p] nonzero: in a polygon
+  std::span<const std::uint8_t> is_listed{};  ///< [p] nonzero: named
+  bool all_conditions = false;                ///< all that are given must hold; else one is enough
+};
+
+/// @return  [p] nonzero: kept.
+/// Complexity: O(p).
+[[nodiscard]] std::vector<std::uint8_t> pits_to_keep(std::span<const PitBasin> pits, const KeepConditions& conditions);
+
+/// Flags of the pits with these numbers.
+///
+/// @param option  what the user calls the list, for the message.
+/// Fails: Error(config) for a number that no pit has.
+[[nodiscard]] std::vector<std::uint8_t> listed_pits(std::span<const std::uint64_t> ids, std::size_t num_pits,
+                                                    const std::string& option);
 
 /// Keeps all but the m pits that are cheapest to lift together: least total displacement over all choices of m pits,
 /// nested pits accounted for; the first m pits by (price, height, representative). Pits that never overflow are kept.

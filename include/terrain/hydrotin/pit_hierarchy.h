@@ -9,6 +9,7 @@
 #include "hydrotin/lattice.h"
 #include "hydrotin/pits.h"
 #include "hydrotin/vertex_graph.h"
+#include "hydrotin/wide.h"
 
 /// The pits of a terrain with what it takes to fill them, nested.
 ///
@@ -69,11 +70,11 @@ struct PitBasin {
 
 /// The part of a triangle under water that stands at `level`.
 struct FloodedPart {
-  std::int64_t doubled_area = 0;    ///< to the nearest integer; exact where the triangle is all wet or all dry
-  std::int64_t sixfold_volume = 0;  ///< likewise
+  std::int64_t doubled_area = 0;  ///< to the nearest integer; exact where the triangle is all wet or all dry
+  Wide sixfold_volume = 0;        ///< likewise
 };
 
-/// @param corner  positions; doubled area times difference of heights must stay below 2^61.
+/// @param corner  positions; doubled area below 2^62.
 /// Complexity: constant. The same for every order of the corners.
 [[nodiscard]] FloodedPart flooded_part(const std::array<LatticePoint, 3>& corner, std::array<std::int32_t, 3> height,
                                        std::int32_t level);

@@ -54,7 +54,7 @@ TEST(Config, Defaults_SuitClassifiedGround) {
   EXPECT_EQ(options.tiles.target_points, 4'000'000U);
   EXPECT_EQ(options.triangulation.order, 2);
   EXPECT_EQ(options.triangulation.objectives, Objectives{Objective::local_minima});
-  EXPECT_EQ(options.pits.method, PitMethod::lift);
+  EXPECT_EQ(options.pits.method, PitMethod::least_change);
   EXPECT_EQ(options.pits.measure, ChangeMeasure::total);
   EXPECT_FALSE(options.pits.keep.any());
   EXPECT_FALSE(options.pits.voids_drain);
@@ -114,6 +114,7 @@ pits:
   measure: volume
   max_breach_length_m: 40.5
   max_breach_depth_m: 3
+  largest_lake: 20000
   keep: {deeper_than_m: 2.5, larger_than_m2: 800, volume_above_m3: 12, inside: ponds.gpkg, ids: [4, 7], combine: and}
   outlets: sea.gpkg
   voids_drain: true
@@ -124,6 +125,7 @@ pits:
   EXPECT_EQ(pits.measure, ChangeMeasure::volume);
   EXPECT_EQ(pits.max_breach_length_m, 40.5);
   EXPECT_EQ(pits.max_breach_depth_m, 3);
+  EXPECT_EQ(pits.largest_lake, 20'000U);
   EXPECT_EQ(pits.keep.deeper_than_m, 2.5);
   EXPECT_EQ(pits.keep.larger_than_m2, 800);
   EXPECT_EQ(pits.keep.volume_above_m3, 12);

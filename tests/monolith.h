@@ -10,7 +10,8 @@
 #include "fingerprint.h"
 #include "hydrotin/hilbert.h"
 #include "hydrotin/las.h"
-#include "hydrotin/lifting.h"
+#include "hydrotin/options.h"
+#include "hydrotin/pit_removal.h"
 #include "hydrotin/pits.h"
 #include "hydrotin/point_set.h"
 #include "hydrotin/vertex_graph.h"
@@ -74,7 +75,10 @@ inline Monolith run_monolith(const std::vector<LatticePoint>& position, const st
   else
     outlet[lowest_vertex(z, p)] = 1;
   out.pits_before = count_pits(graph, z, outlet);
-  const auto level = lift(graph, z, outlet);
+  RemovalOptions removal;
+  removal.limits.max_visits = kScalableVisits;
+  removal.limits.max_lake = PitOptions{}.largest_lake;
+  const std::vector<std::int32_t> level = remove_pits({&graph, z, p, outlet, {}, {}, {}}, removal).height;
   Fingerprint fingerprint;
   for (const auto& t : triangulation.triangles)
     fingerprint.add({{{p[t[0]].x, p[t[0]].y, level[t[0]]},

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "grid_terrain.h"
+#include "hydrotin/lake_bound.h"
 #include "hydrotin/lifting.h"
 #include "oracle/removal_oracle.h"
 #include "pit_sample.h"
@@ -102,7 +103,7 @@ Sample tiny_sample(std::uint64_t seed) {
 }
 
 TEST(PitRemoval, NeverBeatsTheBestOfAllAndBoundsHold) {
-  std::size_t num_pitted = 0, num_joint_optima = 0, num_breach_optima = 0, num_proven = 0;
+  std::size_t num_pitted = 0, num_joint_optima = 0, num_breach_optima = 0, num_proven = 0, num_met_by_lakes = 0;
   for (std::uint64_t seed = 0; seed < 250; ++seed) {
     SCOPED_TRACE(seed);
     const Sample s = tiny_sample(seed);
@@ -114,6 +115,10 @@ TEST(PitRemoval, NeverBeatsTheBestOfAllAndBoundsHold) {
       const Removal both = s.remove(RemovalMethod::least_change, kMeasures[i], true);
       EXPECT_GE(both.cost, best.joint[i]);
       EXPECT_LE(both.bound, best.joint[i]);
+      const std::int64_t of_lakes = sum_of_lake_bounds(s.view(kMeasures[i]), both.components.level, kMeasures[i]);
+      EXPECT_LE(of_lakes, kBoundShares * best.joint[i]);
+      EXPECT_EQ(of_lakes > 0, kMeasures[i] != ChangeMeasure::max);
+      num_met_by_lakes += of_lakes == kBoundShares * best.joint[i];
       EXPECT_GT(both.bound, 0);
       EXPECT_EQ(both.is_optimal, both.cost == both.bound);
       if (kMeasures[i] == ChangeMeasure::max) {
@@ -140,6 +145,7 @@ TEST(PitRemoval, NeverBeatsTheBestOfAllAndBoundsHold) {
     }
   }
   EXPECT_GT(num_pitted, 120u);
+  EXPECT_GT(num_met_by_lakes, num_pitted);
   RecordProperty("pitted", static_cast<int>(num_pitted));
   RecordProperty("joint_optima_of_4", static_cast<int>(num_joint_optima));
   RecordProperty("proven", static_cast<int>(num_proven));
@@ -439,6 +445,9 @@ TEST(PitRemoval, LimitedSearchesKeepThePromises) {
           ASSERT_EQ(p.height[v], q.height[to[v]]) << static_cast<int>(method) << static_cast<int>(measure);
           EXPECT_LE(p.height[v], p.components.level[v]);
         }
+        const std::int64_t of_lakes = sum_of_lake_bounds(a.view(measure), p.components.level, measure);
+        EXPECT_EQ(of_lakes, sum_of_lake_bounds(b.view(measure), q.components.level, measure));
+        EXPECT_LE(of_lakes, kBoundShares * p.cost);
         EXPECT_TRUE(oracle::has_no_pit(a.around, p.height, a.is_outlet));
         EXPECT_LE(p.bound, p.cost);
         num_unfinished += p.components.num_unfinished;

@@ -11,6 +11,8 @@
 
 #include "expected_error.h"
 #include "hydrotin/error.h"
+#include "hydrotin/lake_bound.h"
+#include "hydrotin/lifting.h"
 #include "hydrotin/pit_choice.h"
 #include "hydrotin/pit_removal.h"
 #include "hydrotin/vector.h"
@@ -91,6 +93,7 @@ RemovalOptions removal_of(const PitOptions& pits) {
   out.method = kMethods[static_cast<std::size_t>(pits.method)];
   out.measure = pits.measure;
   out.limits.max_visits = kScalableVisits;
+  out.limits.max_lake = pits.largest_lake;
   return out;
 }
 
@@ -99,6 +102,13 @@ std::vector<std::int32_t> removed(const Whole& w, const PitOptions& pits, std::s
   const auto star = star_weights(w.position, w.triangle);
   if (pits.measure == ChangeMeasure::volume) terrain.weight = star;
   return remove_pits(terrain, removal_of(pits)).height;
+}
+
+/// In lattice units or vertices.
+double bound_of_lakes(const Whole& w, const PitOptions& pits) {
+  const ChangeableTerrain terrain{&w.graph, w.height, w.position, w.on_hull, {}, {}, {}};
+  const auto level = lift(w.graph, w.height, w.on_hull);
+  return std::ceil(static_cast<double>(sum_of_lake_bounds(terrain, level, pits.measure)) / double{kBoundShares});
 }
 
 PipelineOptions options_of(const Terrain& terrain, const std::string& out, std::uint64_t target) {
@@ -127,6 +137,7 @@ TEST(TiledPits, EveryMethodAndMeasureEqualsTheWhole) {
       pits.method = method;
       pits.measure = measure;
       const std::string expected = whole.fingerprint(removed(whole, pits, whole.on_hull));
+      const double of_lakes = bound_of_lakes(whole, pits);
       for (const std::uint64_t target : {std::uint64_t{6'000}, std::uint64_t{1'500}}) {
         SCOPED_TRACE(std::to_string(static_cast<int>(method)) + " " + std::to_string(static_cast<int>(measure)) + " " +
                      std::to_string(target));
@@ -138,6 +149,16 @@ TEST(TiledPits, EveryMethodAndMeasureEqualsTheWhole) {
         const DatasetSummary got = run(options);
         EXPECT_EQ(got.fingerprint, expected);
         EXPECT_TRUE(got.ok);
+        const auto report =
+            nlohmann::json::parse(testing::bytes_of(options.output.dir + "/report.json"))["pit_removal"];
+        const double cost = report["cost"], bound = report["bound"];
+        EXPECT_LE(bound, cost);
+        if (method == PitMethod::lift) {
+          EXPECT_EQ(bound, cost);
+        } else if (measure == ChangeMeasure::total || measure == ChangeMeasure::count) {
+          EXPECT_NEAR(bound, of_lakes * (measure == ChangeMeasure::total ? 0.01 : 1), 1e-6);
+          EXPECT_GT(bound, 0.01 * cost);
+        }
         if (serial % 4 == 0) expect_checked(options.output.dir);
         std::filesystem::remove_all(options.output.dir);
       }
@@ -161,6 +182,47 @@ TEST(TiledPits, LowestOutletMakesLakesAcrossManyTiles) {
       std::filesystem::remove_all(options.output.dir);
     }
   }
+}
+
+// Of each size some lakes lie within a tile and some across.
+TEST(TiledPits, LargeLakesAreRaised) {
+  const TemporaryFolder folder;
+  const Terrain terrain = make_terrain(folder, 4, 12'000, 10);
+  const Whole whole = make_whole(terrain, options_of(terrain, folder / "plan", kEverything));
+  const auto level = lift(whole.graph, whole.height, whole.on_hull);
+  for (const std::uint64_t most : {std::uint64_t{1}, std::uint64_t{100}})
+    for (const PitMethod method : {PitMethod::breach, PitMethod::least_change}) {
+      PipelineOptions options = options_of(terrain, folder / "raised", kEverything);
+      options.pits.method = method;
+      options.pits.largest_lake = most;
+      const std::vector<std::int32_t> expected = removed(whole, options.pits, whole.on_hull);
+      PitOptions without = options.pits;
+      without.largest_lake = kEverything;
+      EXPECT_NE(expected, removed(whole, without, whole.on_hull));
+      if (most > 1) {
+        EXPECT_NE(expected, level);
+      }
+      std::int64_t moved = 0;
+      double total = 0;
+      for (std::size_t v = 0; v < expected.size(); ++v) {
+        EXPECT_LE(expected[v], level[v]);
+        moved += expected[v] != whole.height[v];
+        total += std::abs(expected[v] - whole.height[v]) * 0.01;
+      }
+      for (const std::uint64_t target : {kEverything, std::uint64_t{1'000}}) {
+        SCOPED_TRACE(std::to_string(most) + " " + std::to_string(static_cast<int>(method)) + " " +
+                     std::to_string(target));
+        options.tiles.target_points = target;
+        EXPECT_EQ(run(options).fingerprint, whole.fingerprint(expected));
+        expect_checked(options.output.dir);
+        const auto report =
+            nlohmann::json::parse(testing::bytes_of(options.output.dir + "/report.json"))["pit_removal"];
+        EXPECT_EQ(report["vertices_moved"], moved);
+        EXPECT_NEAR(report["total_displacement_m"].get<double>(), total, 1e-6 * total);
+        EXPECT_GT(report["regions_not_drawn"], 0);
+        std::filesystem::remove_all(options.output.dir);
+      }
+    }
 }
 
 TEST(TiledPits, LimitsAreKept) {

@@ -63,7 +63,7 @@ Plateaus read_all_plateaus(const RunContext& context) {
     }
     const PlateauSummary& part = open.emplace_back(read_open_plateaus(in, ""));
     for (std::size_t i = 0; i < part.num_open(); ++i) {
-      const std::uint32_t piece = joiner.add_piece(t, 1);
+      const std::uint32_t piece = joiner.add_piece(t, 0);
       for (std::uint32_t r = part.rim_begin[i]; r < part.rim_begin[i + 1]; ++r)
         joiner.add_vertex(part.rim_vertex[r], piece);
     }

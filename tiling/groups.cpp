@@ -9,7 +9,7 @@ namespace hydrotin {
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr std::uint64_t kMemberBytes = 700;  // of a group that is solved, with all around it
+constexpr std::uint64_t kMemberBytes = 450;  // of a group that is solved, with all around it
 
 struct TilePieces {
   std::uint32_t first = 0, num_pieces = 0;  // number of its first piece in the joiner; then come its flats
@@ -44,7 +44,7 @@ std::vector<std::vector<std::uint8_t>> member_flats(const std::vector<TilePieces
   GroupJoiner joiner;
   for (std::uint32_t t = 0; t < tiles.size(); ++t) {
     std::uint32_t first = kNone;
-    for (std::size_t f = 0; f < tiles[t].drains.size(); ++f) first = std::min(first, joiner.add_piece(t, 1));
+    for (std::size_t f = 0; f < tiles[t].drains.size(); ++f) first = std::min(first, joiner.add_piece(t, 0));
     for (std::size_t i = 0; i < tiles[t].rim_point.size(); ++i)
       if (tiles[t].rim_label[i] >= tiles[t].num_pieces)
         joiner.add_vertex(tiles[t].rim_point[i], first + tiles[t].rim_label[i] - tiles[t].num_pieces);

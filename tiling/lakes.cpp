@@ -46,10 +46,17 @@ void join_lakes(const RunContext& context) {
   store::Writer out(context.layout.unit(Phase::lakes, 0));
   out.set("recipe", context.recipe(Phase::lakes));
   // The owner's groups, with the cells of all their pieces.
-  std::vector<std::uint64_t> begin{0}, seed, cell_begin{0};
+  std::vector<std::uint64_t> begin{0}, seed, cell_begin{0}, filled_begin{0}, filled_seed;
   std::vector<std::int32_t> cell;
+  const std::uint64_t max_lake = context.options.pits.largest_lake;
+  std::size_t next_piece = 0;
   for (std::uint32_t t = 0; t < tiles.size(); ++t) {
+    for (; next_piece < groups.tile.size() && groups.tile[next_piece] == t; ++next_piece)
+      if (groups.size[groups.group[next_piece]] > max_lake)
+        filled_seed.push_back(tiles[t].seed[groups.index[next_piece]]);
+    filled_begin.push_back(filled_seed.size());
     for (const std::uint32_t group : groups.owned_by(t)) {
+      if (groups.size[group] > max_lake) continue;
       std::vector<Cell> cells;
       for (const std::uint32_t piece : groups.pieces_of(group)) {
         const LakePieces& lakes = tiles[groups.tile[piece]];
@@ -70,6 +77,10 @@ void join_lakes(const RunContext& context) {
   out.append("lake_seed", seed, "a vertex of each lake that the tile breaches: tile << 32 | index");
   out.append("lake_cell_begin", cell_begin, "offsets of the lakes into lake_cell, one more than lakes");
   out.append("lake_cell", cell, "cells of the grid in which they lie: x, y");
+  out.append("filled_begin", filled_begin, "offsets of the tiles into filled_seed, one more than tiles");
+  out.append("filled_seed", filled_seed, "a vertex of each piece that the tile has of a lake too large to be breached");
+  out.set("filled", static_cast<std::int64_t>(std::count_if(groups.size.begin(), groups.size.end(),
+                                                            [&](std::uint64_t size) { return size > max_lake; })));
   out.commit();
 }
 

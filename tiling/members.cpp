@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <limits>
-#include <numeric>
+#include <optional>
+#include <tuple>
 
 #include "edits_file.h"
+#include "filled_lakes.h"
 #include "hydrotin/lifting.h"
 #include "path_members.h"
 #include "phases.h"
@@ -17,8 +19,9 @@ constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 // The vertices of a tile's surface that may move.
 class TileMembers {
  public:
-  TileMembers(const RunContext& context, std::uint32_t tile, const Surface& surface, const ChangeableTerrain& terrain)
-      : context_(context), tile_(tile), surface_(surface), terrain_(terrain) {
+  TileMembers(const RunContext& context, std::uint32_t tile, const Surface& surface, const ChangeableTerrain& terrain,
+              std::span<const std::uint8_t> is_filled)
+      : context_(context), tile_(tile), surface_(surface), terrain_(terrain), is_filled_(is_filled) {
     components.level = surface.level;
     components.breached = surface.height;
     for (std::uint32_t v = 0; v < surface.num_vertices(); ++v)
@@ -39,8 +42,7 @@ class TileMembers {
     if (context_.options.pits.method == PitMethod::lift) return;
     // Points are two ascending runs: the tile's own, then those of others.
     const auto middle = std::is_sorted_until(surface_.point.begin(), surface_.point.end());
-    const auto add = [&](const store::Reader& in) {
-      const auto members = read_path_members(in);
+    const auto add = [&](const std::vector<std::pair<std::uint64_t, std::int32_t>>& members) {
       for (const auto& [first, last] : {std::pair{surface_.point.begin(), middle}, {middle, surface_.point.end()}}) {
         auto at = first;
         for (const auto& [point, level] : members) {
@@ -48,14 +50,38 @@ class TileMembers {
           if (at == last) break;
           if (*at != point) continue;
           const auto v = static_cast<std::size_t>(at - surface_.point.begin());
+          if (is_filled_[v]) continue;
           is_member_[v] = 1;
           components.breached[v] = std::min(components.breached[v], level);
         }
       }
     };
-    add(store::Reader(context_.layout.unit(Phase::pools, tile_)));
-    for (std::uint32_t t = 0; t < context_.plan.num_tiles(); ++t)
-      add(store::Reader(context_.layout.unit(Phase::breach, t)));
+    add(read_path_members(store::Reader(context_.layout.unit(Phase::pools, tile_))));
+    std::optional<store::Reader> in;
+    std::uint32_t open_unit = kNone;
+    for (const MemberRange& range : ranges_of_breaches()) {
+      if (range.unit != open_unit) in.emplace(context_.layout.unit(Phase::breach, range.unit));
+      open_unit = range.unit;
+      add(read_path_members(*in, range.first, range.count));
+    }
+  }
+
+  // Where the outputs of `breach` have members among the points of the tiles that this one has points of.
+  [[nodiscard]] std::vector<MemberRange> ranges_of_breaches() const {
+    std::vector<std::uint32_t> owners;
+    for (const std::uint64_t point : surface_.point)
+      if (owners.empty() || owners.back() != PointId(point).tile()) owners.push_back(PointId(point).tile());
+    std::sort(owners.begin(), owners.end());
+    owners.erase(std::unique(owners.begin(), owners.end()), owners.end());
+    std::vector<MemberRange> out;
+    for (const std::uint32_t owner : owners) {
+      const auto ranges = context_.breach_index->ranges_of(owner, context_.layout, context_.plan.num_tiles());
+      out.insert(out.end(), ranges.begin(), ranges.end());
+    }
+    std::sort(out.begin(), out.end(), [](const MemberRange& a, const MemberRange& b) {
+      return std::tie(a.unit, a.first) < std::tie(b.unit, b.first);
+    });
+    return out;
   }
 
   // Groups that other tiles may belong to become pieces; the others are components.
@@ -103,6 +129,7 @@ class TileMembers {
   std::uint32_t tile_;
   const Surface& surface_;
   const ChangeableTerrain& terrain_;
+  std::span<const std::uint8_t> is_filled_;
   std::vector<std::uint8_t> is_member_;
 };
 
@@ -169,12 +196,14 @@ void write_open(store::Writer& out, const Surface& surface, const TileMembers& m
 }  // namespace
 
 void find_members(const RunContext& context, std::uint32_t tile) {
-  const Surface surface = read_surface(store::Reader(context.layout.unit(Phase::pools, tile)));
-  const ChangeableSurface changeable(context, surface);
-  const TileMembers members(context, tile, surface, changeable.view());
-  std::vector<std::int32_t> height = surface.height;
+  Surface surface = read_surface(store::Reader(context.layout.unit(Phase::pools, tile)));
   const bool lifts = context.options.pits.method == PitMethod::lift;
   ChangeFigures figures;
+  const std::vector<std::uint8_t> is_filled =
+      lifts ? std::vector<std::uint8_t>() : fill_largest_lakes(context, tile, surface, figures);
+  const ChangeableSurface changeable(context, surface);
+  const TileMembers members(context, tile, surface, changeable.view(), is_filled);
+  std::vector<std::int32_t> height = surface.height;
   figures.groups = static_cast<std::int64_t>(members.components.size());
   if (lifts)
     height = surface.level;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "block_index.h"
+#include "breach_index.h"
 #include "hydrotin/options.h"
 #include "hydrotin/pipeline.h"
 #include "ingest_index.h"
@@ -36,6 +37,7 @@ struct RunContext {
   Outline outline{};  ///< from phase `outline` on
   Outline survey{};   ///< of all points, from phase `thin` on if points are thinned
   std::shared_ptr<IngestIndex> ingest_index = std::make_shared<IngestIndex>();  ///< filled by the first tile arranged
+  std::shared_ptr<BreachIndex> breach_index = std::make_shared<BreachIndex>();  ///< by the first tile of `members`
 
   [[nodiscard]] bool thins() const { return options.thin.vertical_error_m.has_value(); }
   /// The file that holds a tile's vertices: what `arrange` made, or what `thin` left of it.

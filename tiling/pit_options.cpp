@@ -8,7 +8,9 @@
 namespace hydrotin {
 
 RemovalOptions removal_options(const RunContext& context) {
-  return removal_options(context.options.pits, context.plan.lattice, context.plan.metres_per_unit);
+  RemovalOptions out = removal_options(context.options.pits, context.plan.lattice, context.plan.metres_per_unit);
+  out.limits.max_lake = context.options.pits.largest_lake;  // the in-memory commands hold the terrain whole anyway
+  return out;
 }
 
 void ChangeableSurface::set_weights(const RunContext& context, std::span<const std::uint32_t> triangle) {

@@ -79,14 +79,20 @@ void pool_tile(const RunContext& context, std::uint32_t tile) {
     for (std::uint32_t v = 0; v < is_known.size(); ++v) is_known[v] = surface.is_rim[v] == 0;
     LakeBreacher breacher(changeable.view(), surface.level, is_known, lowest_outlets_of(context), reach_of(options),
                           options.measure, options.limits);
+    LakeBound bound(changeable.view(), surface.level, is_known, options.measure);
     LakeBreaches found;
     for (std::uint32_t seed = 0; seed < is_seen.size(); ++seed) {
       if (is_seen[seed] || surface.level[seed] == surface.height[seed]) continue;
       const auto lake = breacher.lake_around(seed);
       for (const std::uint32_t v : lake) is_seen[v] = 1;
+      if (lake.size() > options.limits.max_lake) {  // filled: `lakes` tells all tiles
+        open.add(surface, grid, lake, {});
+        continue;
+      }
       breacher.run(found);
+      const std::int64_t lake_bound = bound.run(lake, found.unknown);
       if (found.unknown.empty())
-        members.add(surface, found);
+        members.add(surface, found, lake_bound);
       else
         open.add(surface, grid, lake, found.unknown);
     }

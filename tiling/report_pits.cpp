@@ -5,8 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "hydrotin/lake_bound.h"
 #include "hydrotin/lifting.h"
 #include "hydrotin/pit_layers.h"
+#include "path_members.h"
 #include "pit_options.h"
 #include "store.h"
 
@@ -176,6 +178,7 @@ PitFigures collect_pit_figures(const RunContext& context) {
   const store::Reader groups(context.layout.unit(Phase::groups, 0));
   out.largest_group = groups.integer("largest_group");
   out.undrawn = groups.integer("undrawn");
+  if (method != PitMethod::lift) out.undrawn += store::Reader(context.layout.unit(Phase::lakes, 0)).integer("filled");
   for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t) {
     out.deepest = std::max(out.deepest, store::Reader(context.layout.unit(Phase::pools, t)).integer("deepest"));
     for (const Phase phase : {Phase::pools, Phase::breach}) {
@@ -184,10 +187,21 @@ PitFigures collect_pit_figures(const RunContext& context) {
       out.unbreached += in.integer("pits_unbreached");
       out.unfinished += in.integer("pits_unfinished");
       out.dearest = std::max(out.dearest, in.integer("dearest_breach"));
+      out.bound += read_bound(in);
     }
   }
   return out;
 }
+
+namespace {
+
+// What all lakes cost together at least, in lattice units.
+double bound_of_lakes(ChangeMeasure measure, const PitFigures& f) {
+  if (measure == ChangeMeasure::volume) return static_cast<double>(f.bound) / kBoundShares;
+  return static_cast<double>((f.bound + kBoundShares - 1) / kBoundShares);  // costs are integers
+}
+
+}  // namespace
 
 PitVerdict judge_pits(const RunContext& context, const PitFigures& f) {
   const ChangeMeasure measure = context.options.pits.measure;
@@ -221,6 +235,7 @@ PitVerdict judge_pits(const RunContext& context, const PitFigures& f) {
     bound = static_cast<double>(f.deepest);
   else
     bound = f.deepest > 0 ? 1 : 0;
+  bound = std::max(bound, bound_of_lakes(measure, f));
   if (lowers_only && f.unbreached == 0 && f.unfinished == 0) bound = std::max(bound, static_cast<double>(f.dearest));
   return {cost * unit, std::min(bound, cost) * unit, bound >= cost};
 }

@@ -7,6 +7,7 @@
 
 #include "edits_file.h"
 #include "hydrotin/vector.h"
+#include "hydrotin/wide.h"
 #include "kept_pits.h"
 #include "phases.h"
 
@@ -20,6 +21,7 @@ struct PitFigures {
   std::int64_t unbreached = 0, unfinished = 0, largest_group = 0, regions = 0, breaches = 0, undrawn = 0;
   std::int64_t deepest = 0;  ///< largest difference between level and height
   std::int64_t dearest = 0;  ///< cost of the dearest breach by itself
+  Wide bound = 0;            ///< sum over all lakes, in shares (lake_bound.h)
 };
 
 [[nodiscard]] PitFigures collect_pit_figures(const RunContext& context);

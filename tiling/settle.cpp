@@ -83,6 +83,8 @@ void settle_groups(const RunContext& context, std::uint32_t tile) {
       is_member[at] |= shares[s].is_member[v];
       components.breached[at] = std::min(components.breached[at], shares[s].breached[v]);
     }
+  parts = {};
+  shares = {};
   const ChangeableSurface changeable(context, surface);
   collect_components(changeable.view(), is_member, {}, components);
   std::vector<std::int32_t> height = surface.height;

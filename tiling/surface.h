@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -63,8 +64,11 @@ class CellGrid {
 
 /// All triangles of the terrain with a corner in one of some cells: vertices in the cells have all their triangles.
 /// Vertices ascend by (x, y).
-/// @param cells  ascending, distinct.
-[[nodiscard]] Surface read_window(const RunContext& context, const CellGrid& grid, std::span<const Cell> cells);
+/// @param cells          ascending, distinct.
+/// @param most_vertices  no more are loaded. (Those that tiles share count for each.)
+/// @return               nothing if there are more.
+[[nodiscard]] std::optional<Surface> read_window(const RunContext& context, const CellGrid& grid,
+                                                 std::span<const Cell> cells, std::uint64_t most_vertices);
 
 /// One surface of several that share vertices; vertices ascend by (x, y).
 [[nodiscard]] Surface merged(std::span<const Surface> parts, const std::string& path);

@@ -50,6 +50,11 @@ JoinedGroups GroupJoiner::join() {
       out.owner[g] = out.tile[p];
     }
   }
+  for (std::size_t i = 1; i < vertex_.size(); ++i) {
+    if (vertex_[i].first != vertex_[i - 1].first) continue;
+    std::uint64_t& size = out.size[out.group[vertex_[i].second]];
+    if (size > 0) --size;
+  }
   out.piece_begin.assign(out.owner.size() + 1, 0);
   for (const std::uint32_t g : out.group) ++out.piece_begin[g + 1];
   std::partial_sum(out.piece_begin.begin(), out.piece_begin.end(), out.piece_begin.begin());

@@ -18,7 +18,7 @@ struct JoinedGroups {
   std::vector<std::uint32_t> group;                   ///< [pieces]
   std::vector<std::uint32_t> piece_begin, piece;      ///< [groups + 1], [pieces] ascending within a group
   std::vector<std::uint32_t> owner;                   ///< [groups] tile
-  std::vector<std::uint64_t> size;                    ///< [groups] vertices; shared ones count for each tile
+  std::vector<std::uint64_t> size;                    ///< [groups] vertices; those that tiles share count once
   std::vector<std::vector<std::uint32_t>> groups_of;  ///< [tiles with pieces] those that the tile owns, ascending
 
   [[nodiscard]] std::span<const std::uint32_t> pieces_of(std::uint32_t g) const {
@@ -32,6 +32,7 @@ struct JoinedGroups {
 class GroupJoiner {
  public:
   /// Pieces of one tile in the order of their numbers, tiles ascending.
+  /// @param size  its vertices; 0: sizes are not asked for
   std::uint32_t add_piece(std::uint32_t tile, std::uint64_t size);
   /// A vertex that other tiles may have too.
   void add_vertex(std::uint64_t point, std::uint32_t piece) { vertex_.emplace_back(point, piece); }

@@ -2,93 +2,25 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <functional>
 #include <limits>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "hydrotin/lifting.h"
+#include "moat_packing.h"
 
 namespace hydrotin {
 namespace {
 
-constexpr std::size_t kMaxVisits = 4096;
-
-struct Claim {
-  std::int64_t first, last;  // levels first + 1 .. last
-  std::uint32_t next;        // of the same vertex
-};
-constexpr std::uint32_t kNone = 0xffffffffu;
-
-/// Packs the neighbourhoods of growing pieces.
-class Packing {
- public:
-  Packing(const ChangeableTerrain& terrain, bool only_once)
-      : terrain_(&terrain),
-        only_once_(only_once),
-        first_claim_(terrain.height.size(), kNone),
-        entered_(terrain.height.size(), kFree) {}
-
-  /// What the pieces around one pit, up to `top`, add to the bound.
-  std::int64_t add_pit(std::uint32_t pit, std::int64_t top) {
-    reached_.clear();
-    heap_.clear();
-    weight_ = std::int64_t{1} << 62;
-    std::int64_t gain = 0, bottom = terrain_->height[pit];
-    stop_ = only_once_ ? bottom + 1 : top;
-    std::size_t num_visits = 0;
-    reach(pit, bottom);
-    while (bottom < stop_ && !heap_.empty()) {
-      // The piece at levels bottom + 1 .. next: all that is connected below them.
-      while (!heap_.empty() && heap_.front().first <= bottom && num_visits < kMaxVisits) {
-        std::pop_heap(heap_.begin(), heap_.end(), std::greater<>{});
-        const std::uint32_t v = heap_.back().second;
-        heap_.pop_back();
-        ++num_visits;
-        for (const std::uint32_t w : terrain_->graph->neighbors(v)) {
-          if (entered_[w] != kFree) continue;
-          if (terrain_->height[w] < terrain_->height[pit])
-            stop_ = std::min(stop_, bottom);  // it is another's piece now
-          reach(w, bottom);
-        }
-      }
-      if (num_visits >= kMaxVisits || heap_.empty() || stop_ <= bottom) break;
-      const std::int64_t next = std::min<std::int64_t>(heap_.front().first, stop_);
-      gain += (next - bottom) * weight_;
-      bottom = next;
-    }
-    for (const std::uint32_t v : reached_) {
-      if (entered_[v] < bottom) {
-        claims_.push_back({only_once_ ? kLowest : entered_[v], only_once_ ? kHighest : bottom, first_claim_[v]});
-        first_claim_[v] = static_cast<std::uint32_t>(claims_.size() - 1);
-      }
-      entered_[v] = kFree;
-    }
-    return gain;
+struct TerrainPacking {
+  const ChangeableTerrain* terrain;
+  bool only_once;
+  [[nodiscard]] std::span<const std::uint32_t> neighbors(std::uint32_t v) const { return terrain->graph->neighbors(v); }
+  [[nodiscard]] std::int64_t height(std::uint32_t v) const { return terrain->height[v]; }
+  [[nodiscard]] std::int64_t capacity(std::uint32_t v) const {
+    return only_once || terrain->weight.empty() ? 1 : terrain->weight[v];
   }
-
- private:
-  static constexpr std::int64_t kFree = std::int64_t{1} << 62, kLowest = -kFree, kHighest = kFree - 1;
-
-  // v belongs to the neighbourhood for all levels above `level`. Claims of others end the growth in time.
-  void reach(std::uint32_t v, std::int64_t level) {
-    entered_[v] = level;
-    reached_.push_back(v);
-    heap_.emplace_back(terrain_->height[v], v);
-    std::push_heap(heap_.begin(), heap_.end(), std::greater<>{});
-    weight_ = std::min(weight_, only_once_ || terrain_->weight.empty() ? 1 : terrain_->weight[v]);
-    for (std::uint32_t i = first_claim_[v]; i != kNone; i = claims_[i].next)
-      if (claims_[i].last > level) stop_ = std::min(stop_, std::max(level, claims_[i].first));
-  }
-
-  const ChangeableTerrain* terrain_;
-  bool only_once_;
-  std::vector<std::uint32_t> first_claim_, reached_;
-  std::vector<std::int64_t> entered_;
-  std::vector<Claim> claims_;
-  std::vector<std::pair<std::int64_t, std::uint32_t>> heap_;
-  std::int64_t stop_ = 0, weight_ = 0;
 };
 
 /// Whether a surface without pits exists that moves no vertex by more than `displacement`: the least one above h -
@@ -140,9 +72,10 @@ std::int64_t change_bound(const ChangeableTerrain& terrain, std::span<const std:
     return std::tuple(-depth(a), terrain.height[a], terrain.position[a]) <
            std::tuple(-depth(b), terrain.height[b], terrain.position[b]);
   });
-  Packing packing(terrain, measure == ChangeMeasure::count);
+  const bool only_once = measure == ChangeMeasure::count;
+  MoatPacking packing(TerrainPacking{&terrain, only_once}, level.size(), only_once);
   std::int64_t bound = 0;
-  for (const std::uint32_t v : bottoms) bound += packing.add_pit(v, level[v]);
+  for (const std::uint32_t v : bottoms) bound += static_cast<std::int64_t>(packing.add_pit(v, level[v]));
   return bound;
 }
 

@@ -357,8 +357,12 @@ class Weigher : private ContentSweep {
   std::vector<PoolContent> run(std::span<const std::uint8_t> counts, std::span<const PoolQuery> query) {
     std::vector<PoolContent> answer(query.size());
     if (query.empty()) return answer;
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> vertex_of;
-    for (std::uint32_t v = 0; v < id_.size(); ++v) vertex_of.emplace_back(id_[v], v);
+    std::vector<std::uint64_t> wanted;
+    for (const PoolQuery& q : query) wanted.push_back(q.vertex);
+    std::sort(wanted.begin(), wanted.end());
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> vertex_of;  // of those that are asked for
+    for (std::uint32_t v = 0; v < id_.size(); ++v)
+      if (std::binary_search(wanted.begin(), wanted.end(), id_[v])) vertex_of.emplace_back(id_[v], v);
     std::sort(vertex_of.begin(), vertex_of.end());
     const std::vector<std::uint32_t> order = order_vertices(height_, position_);
     sort_triangles(order);

@@ -28,7 +28,8 @@ std::vector<std::uint32_t> plateau_of(const ChangeableTerrain& terrain, std::uin
 /// The members by lifting, and those that breaches add; with all pits.
 class LakeCollector {
  public:
-  LakeCollector(const ChangeableTerrain& terrain, PitComponents& result) : terrain_(&terrain), result_(&result) {
+  LakeCollector(const ChangeableTerrain& terrain, std::uint64_t max_lake, PitComponents& result)
+      : terrain_(&terrain), max_lake_(max_lake), result_(&result) {
     const std::size_t n = terrain.height.size();
     is_member_.assign(n, 0);
     for (std::size_t v = 0; v < n; ++v)
@@ -42,7 +43,12 @@ class LakeCollector {
     LakeBreaches found;
     for (std::uint32_t seed = 0; seed < is_seen.size(); ++seed) {
       if (!is_member_[seed] || is_seen[seed]) continue;
-      for (const std::uint32_t v : breacher.lake_around(seed)) is_seen[v] = 1;
+      const auto lake = breacher.lake_around(seed);
+      for (const std::uint32_t v : lake) is_seen[v] = 1;
+      if (lake.size() > max_lake_) {
+        result_->filled.insert(result_->filled.end(), lake.begin(), lake.end());
+        continue;
+      }
       breacher.run(found);
       pits_.insert(pits_.end(), found.pit.begin(), found.pit.end());
       added.insert(added.end(), found.vertex.begin(), found.vertex.end());
@@ -56,6 +62,7 @@ class LakeCollector {
     }
     result_->num_pits = pits_.size();
     for (const std::uint32_t v : added) is_member_[v] = 1;
+    for (const std::uint32_t v : result_->filled) is_member_[v] = 0;
   }
 
   [[nodiscard]] std::vector<std::uint8_t> take_members() { return std::move(is_member_); }
@@ -63,6 +70,7 @@ class LakeCollector {
 
  private:
   const ChangeableTerrain* terrain_;
+  std::uint64_t max_lake_;
   PitComponents* result_;
   std::vector<std::uint8_t> is_member_;
   std::vector<std::uint32_t> pits_;
@@ -236,15 +244,31 @@ PitComponents find_pit_components(const ChangeableTerrain& terrain, MemberReach 
   PitComponents result;
   result.level = lift(*terrain.graph, terrain.height, terrain.is_outlet);
   result.breached.assign(terrain.height.begin(), terrain.height.end());
-  LakeCollector lakes(terrain, result);
+  LakeCollector lakes(terrain, reach == MemberReach::lifted ? ~std::uint64_t{0} : limits.max_lake, result);
   {
     LakeBreacher breacher(terrain, result.level, {}, outlet_heights(terrain), reach, measure, limits);
     lakes.add_lakes(breacher);
   }
   std::vector<std::uint8_t> is_member = lakes.take_members();
-  (void)add_flats_without_descent(terrain, result.level, {}, is_member);
-  collect_components(terrain, is_member, lakes.take_pits(), result);
+  ChangeableTerrain filled = terrain;
+  std::vector<std::int32_t> height;
+  std::vector<std::uint8_t> is_outlet;
+  if (!result.filled.empty()) {
+    height = filled_heights(terrain, result);
+    is_outlet.assign(terrain.is_outlet.begin(), terrain.is_outlet.end());
+    for (const std::uint32_t v : result.filled) is_outlet[v] = 1;  // a flat with filled lakes stays with them
+    filled.height = height;
+    filled.is_outlet = is_outlet;
+  }
+  (void)add_flats_without_descent(filled, result.level, {}, is_member);
+  collect_components(filled, is_member, lakes.take_pits(), result);
   return result;
+}
+
+std::vector<std::int32_t> filled_heights(const ChangeableTerrain& terrain, const PitComponents& components) {
+  std::vector<std::int32_t> height(terrain.height.begin(), terrain.height.end());
+  for (const std::uint32_t v : components.filled) height[v] = components.level[v];
+  return height;
 }
 
 void collect_components(const ChangeableTerrain& terrain, std::span<const std::uint8_t> is_member,

@@ -91,8 +91,13 @@ std::uint64_t solve_components(const ChangeableTerrain& terrain, const PitCompon
 Removal remove_pits(const ChangeableTerrain& terrain, const RemovalOptions& options) {
   Removal result;
   PitComponents components = find_pit_components(terrain, reach_of(options), options.measure, options.limits);
-  result.height.assign(terrain.height.begin(), terrain.height.end());
-  result.num_unguaranteed = solve_components(terrain, components, options, result.height);
+  result.height = filled_heights(terrain, components);
+  {
+    ChangeableTerrain filled = terrain;
+    std::vector<std::int32_t> height;
+    if (!components.filled.empty()) filled.height = height = result.height;
+    result.num_unguaranteed = solve_components(filled, components, options, result.height);
+  }
   result.cost = total_cost(terrain, result.height, options.measure);
   if (options.with_bound) {
     result.bound = bound_of(terrain, options, components, result.cost);

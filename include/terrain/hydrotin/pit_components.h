@@ -49,6 +49,7 @@ struct BreachLimits {
   double max_length =
       std::numeric_limits<double>::infinity();   ///< horizontally, from the pit to the goal [lattice units]
   std::uint64_t max_visits = ~std::uint64_t{0};  ///< vertices cheaper to reach than the goal
+  std::uint64_t max_lake = ~std::uint64_t{0};    ///< vertices of a lake; larger ones are filled (see PitComponents)
 };
 
 /// The terrain and what may be done to it. Spans may be empty where noted.
@@ -87,6 +88,11 @@ struct BreachPath {
 [[nodiscard]] BreachPath breach_one(const ChangeableTerrain& terrain, std::span<const std::int32_t> level,
                                     std::uint32_t pit, ChangeMeasure measure, const BreachLimits& limits);
 
+/// Lakes of more than `BreachLimits::max_lake` vertices are *filled*: they keep the level of `lift`, are no members,
+/// and for the components they are outlets of that height. No pit comes of that: if P were one, at height t, it would
+/// contain an exit of a component or some other vertex that is not solved, at f = t; from there the flat of f = t leads
+/// to an outlet or to a vertex w with f(w) < t, and as x <= f everywhere all of it, and w, would belong to P. So what
+/// must be in memory together does not grow with the largest lake.
 struct PitComponents {
   std::vector<std::uint32_t> begin;      ///< [C + 1]
   std::vector<std::uint32_t> member;     ///< [M] vertices; component i: member[begin[i] .. begin[i + 1])
@@ -98,6 +104,7 @@ struct PitComponents {
   std::uint64_t num_unbreached = 0;      ///< of these, pits without a breach within the limits
   std::vector<std::uint32_t> pit_begin;  ///< [C + 1] pits of component i: pit[pit_begin[i] .. pit_begin[i + 1])
   std::vector<std::uint32_t> pit;        ///< smallest vertices of plateaus by (x, y), ascending by (height, x, y)
+  std::vector<std::uint32_t> filled;     ///< vertices of filled lakes; their pits are not in the lists
 
   [[nodiscard]] std::size_t size() const { return begin.size() - 1; }
 };
@@ -114,6 +121,10 @@ enum class MemberReach : std::uint8_t {
 /// vertex.
 [[nodiscard]] PitComponents find_pit_components(const ChangeableTerrain& terrain, MemberReach reach,
                                                 ChangeMeasure measure, const BreachLimits& limits);
+
+/// [n] the heights, and at filled lakes their levels.
+[[nodiscard]] std::vector<std::int32_t> filled_heights(const ChangeableTerrain& terrain,
+                                                       const PitComponents& components);
 
 /// Flats outside the members that reach the rim of a part: other parts have a say. F = such flats.
 struct OpenFlats {
@@ -146,6 +157,7 @@ void collect_components(const ChangeableTerrain& terrain, std::span<const std::u
 
 /// Cuts one component out.
 ///
+/// @param terrain  with filled lakes at their levels.
 /// @param number  scratch of n entries, all kNoVertexNumber before and after.
 inline constexpr std::uint32_t kNoVertexNumber = 0xffffffffu;
 void make_problem(const ChangeableTerrain& terrain, const PitComponents& components, std::size_t component,

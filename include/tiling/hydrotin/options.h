@@ -90,10 +90,11 @@ struct KeepPits {
 };
 
 struct PitOptions {
-  PitMethod method = PitMethod::lift;
+  PitMethod method = PitMethod::least_change;
   ChangeMeasure measure = ChangeMeasure::total;
   std::optional<double> max_breach_length_m;  ///< of one breach, horizontally; none: no limit
   std::optional<double> max_breach_depth_m;   ///< by which a vertex may be lowered; none: no limit
+  std::uint64_t largest_lake = 200'000;       ///< vertices; larger lakes are raised, whatever the method
   KeepPits keep;
   std::optional<std::uint64_t> cheapest;  ///< removes only so many, those that are cheapest to lift together
   OutletPolicy outlets = OutletPolicy::hull;

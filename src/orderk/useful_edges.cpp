@@ -126,9 +126,11 @@ void GrownEdges::keep(std::span<const std::uint8_t> wanted) {
   *this = std::move(kept);
 }
 
-void GrownEdges::trim() {
-  for_columns([&](auto column) { (edges.*column).shrink_to_fit(); });
-  edges.apex.shrink_to_fit();
+void GrownEdges::clear() {
+  vertex.clear();
+  for_columns([&](auto column) { (edges.*column).clear(); });
+  edges.apex.clear();
+  edges.begin.assign(1, 0);
 }
 
 UsefulEdges assemble(const TriangulationView& tri, const VertexLinks& links, std::vector<GrownEdges> parts,
@@ -172,14 +174,19 @@ void locate_entries(const TriangulationView& tri, const VertexLinks& links, Usef
 UsefulEdges useful_edges(const TriangulationView& tri, const VertexLinks& links, int k, const Executor& executor) {
   const std::uint32_t n = tri.num_vertices();
   std::vector<GrownEdges> parts(k == 0 ? 0 : n / kGrowthRange + (n % kGrowthRange != 0));
-  Pool<PencilGrowth> growths([&] { return std::make_unique<PencilGrowth>(tri, links, k, kWholePlane); });
+  struct Tools {
+    PencilGrowth growth;
+    GrownEdges grown;  // its memory serves one part after the other
+  };
+  Pool<Tools> pool([&] { return std::unique_ptr<Tools>(new Tools{PencilGrowth(tri, links, k, kWholePlane), {}}); });
   executor(static_cast<std::uint32_t>(parts.size()), [&](std::uint32_t p) {
-    const auto growth = growths.lend();
+    const auto tools = pool.lend();
     std::vector<DecidingCircle> beyond;  // none: everything is known
     const std::uint32_t begin = p * kGrowthRange;
     for (std::uint32_t u = begin; u < begin + std::min(kGrowthRange, n - begin); ++u)
-      growth->grow(VertexId{u}, parts[p], beyond);
-    parts[p].trim();
+      tools->growth.grow(VertexId{u}, tools->grown, beyond);
+    parts[p] = tools->grown;
+    tools->grown.clear();
   });
   return assemble(tri, links, std::move(parts), executor);
 }

@@ -32,8 +32,8 @@ struct GrownEdges {
 
   /// Forgets the vertices with a 0 in `wanted` [number of vertices].
   void keep(std::span<const std::uint8_t> wanted);
-  /// Gives back the memory that is not in use.
-  void trim();
+  /// Forgets all vertices and keeps the memory.
+  void clear();
 };
 
 /// Finds the useful edges whose smaller end (in (x, y)) is u.

@@ -117,6 +117,29 @@ Scene make_ridges(const TemporaryFolder& folder, std::uint64_t seed, std::size_t
   return s;
 }
 
+/// Rivers from all sides into a void in the middle.
+Scene make_void(const TemporaryFolder& folder, std::uint64_t seed, std::size_t n) {
+  Scene s;
+  const double size = testing::extent_for(n, 100), middle = size / 2;
+  for (const LatticePoint p : testing::distinct(testing::make_cloud(testing::CloudKind::uniform, seed, n, 100)))
+    if (std::hypot(p.x - middle, p.y - middle) > 0.06 * size) s.position.push_back(p);
+  for (const LatticePoint p : s.position)
+    s.height.push_back(testing::relief_at(seed, p, 3000, 400, 5) +
+                       static_cast<std::int32_t>(std::hypot(p.x - middle, p.y - middle)));
+  const std::string stem = "void" + std::to_string(seed) + "_";
+  s.files = testing::write_files(folder, s.position, s.height, 2, stem);
+  for (int i = 0; i < 12; ++i) {
+    const double angle = 0.5235987755982988 * i, x = std::cos(angle), y = std::sin(angle);
+    const auto at = [&](double r) {
+      return LatticePoint{static_cast<std::int32_t>(middle + r * size * x),
+                          static_cast<std::int32_t>(middle + r * size * y)};
+    };
+    s.line.push_back({at(0.4), at(0.25), at(i % 2 == 0 ? 0.06 : 0.03)});
+  }
+  write_lines(s, folder, stem);
+  return s;
+}
+
 PipelineOptions options_of(const Scene& scene, const std::string& out, std::uint64_t target) {
   PipelineOptions options = testing::options_for(scene.files, out);
   options.tiles.target_points = target;
@@ -331,6 +354,33 @@ TEST(TiledRivers, LeastChangeKeepsRivers) {
       }
     }
   }
+}
+
+// A river that ends at a void relies on it, even where a point added for the river cuts the long edge across.
+TEST(TiledRivers, RiversMayEndAtVoids) {
+  const TemporaryFolder folder;
+  std::uint64_t edges = 0;
+  for (std::uint64_t seed = 20; seed < 26; ++seed) {
+    SCOPED_TRACE(seed);
+    const Scene scene = make_void(folder, seed, 3'000);
+    std::string fingerprint;
+    for (const std::uint64_t target : {kEverything, std::uint64_t{1'000}}) {
+      PipelineOptions options =
+          options_of(scene, folder / (std::to_string(seed) + "-" + std::to_string(target)), target);
+      options.output.dem.enabled = false;
+      options.pits.voids_drain = true;
+      options.pits.void_edge_m = 4;
+      const DatasetSummary got = run(options);
+      if (fingerprint.empty()) fingerprint = got.fingerprint;
+      EXPECT_EQ(got.fingerprint, fingerprint);
+      EXPECT_EQ(got.invalid_river_edges, 0U);
+      const DatasetSummary checked = check_dataset(options.output.dir, 1000);
+      EXPECT_TRUE(checked.ok) << (checked.problems.empty() ? "" : checked.problems.front());
+      EXPECT_EQ(checked.pits, 0U);
+      edges += got.river_edges;
+    }
+  }
+  EXPECT_GT(edges, 100U);
 }
 
 TEST(TiledRivers, JobArraysGiveTheSame) {

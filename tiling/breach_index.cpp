@@ -15,7 +15,7 @@ void for_each_range(const store::Reader& in, std::uint32_t unit, std::uint32_t n
   const auto begin = in.read<std::uint64_t>("member_tile_begin");
   const bool fits = begin.size() == tile.size() + 1 && begin.front() == 0 && begin.back() == in.size("member_point") &&
                     std::is_sorted(begin.begin(), begin.end()) && std::is_sorted(tile.begin(), tile.end()) &&
-                    (tile.empty() || tile.back() < num_tiles);
+                    (tile.empty() || tile.back() <= num_tiles);  // vertices that rivers added have a tile of their own
   if (!fits)
     throw Error(ErrorKind::storage,
                 in.path() + ": its lists of tiles contradict each other; delete the file and run again");
@@ -29,7 +29,7 @@ void BreachIndex::build(const Layout& layout, std::uint32_t num_tiles) {
   for (std::uint32_t unit = 0; unit < num_tiles; ++unit)
     for_each_range(store::Reader(layout.unit(Phase::breach, unit)), unit, num_tiles,
                    [&](std::uint32_t tile, const MemberRange& range) { found.emplace_back(tile, range); });
-  begin_.assign(std::size_t{num_tiles} + 1, 0);
+  begin_.assign(std::size_t{num_tiles} + 2, 0);
   for (const auto& [tile, range] : found) ++begin_[tile + 1];
   std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
   range_.resize(found.size());

@@ -28,8 +28,8 @@ struct MemberRange {
 class BreachIndex {
  public:
   /// Ranges with members among the points of `tile`, units ascending. Valid as long as this object.
-  /// @param tile  < num_tiles; the other arguments are those of the first call
-  /// Fails: Error(storage) if an output of `breach` is missing or damaged; the next call tries again.
+  /// @param tile  < num_tiles, or num_tiles for vertices that rivers added; the other arguments are those of the first
+  /// call Fails: Error(storage) if an output of `breach` is missing or damaged; the next call tries again.
   [[nodiscard]] std::span<const MemberRange> ranges_of(std::uint32_t tile, const Layout& layout,
                                                        std::uint32_t num_tiles);
 
@@ -37,7 +37,7 @@ class BreachIndex {
   void build(const Layout& layout, std::uint32_t num_tiles);
 
   std::once_flag once_;
-  std::vector<std::uint64_t> begin_;  // [tiles + 1]
+  std::vector<std::uint64_t> begin_;  // [tiles + 2]
   std::vector<MemberRange> range_;    // of tile t: range_[begin_[t] .. begin_[t + 1])
 };
 

@@ -179,7 +179,18 @@ class WindowMatch {
       if (mouth.kind == MouthKind::closed) is_outlet[mouth.vertex] = 1;
     for (std::uint32_t v = 0; v < num_vertices(); ++v)
       if (is_outlet[v] != 0 && by_policy[v] == 0) outlet_.push_back(v);
+    if (context_.options.pits.voids_drain) keep_outlets_in_use(by_policy);
     count_mouths(mouths_, match_.counts);
+  }
+
+  // A Steiner point may cut the long edge that makes an outlet of a vertex: where water is led to one, it stays one.
+  void keep_outlets_in_use(const std::vector<std::uint8_t>& by_policy) {
+    for (const RiverMouth& mouth : mouths_.mouth)
+      if (mouth.kind == MouthKind::outlet && by_policy[mouth.vertex] != 0) outlet_.push_back(mouth.vertex);
+    for (const RiverEdge& edge : mouths_.edge)
+      if (by_policy[edge.to] != 0) outlet_.push_back(edge.to);
+    std::sort(outlet_.begin(), outlet_.end());
+    outlet_.erase(std::unique(outlet_.begin(), outlet_.end()), outlet_.end());
   }
 
   void clear_tips() {

@@ -176,7 +176,7 @@ std::uint32_t ThinMesh::locate(LatticePoint p, std::uint32_t at) const {
   for (;;) {
     const Triangle& t = triangle_[at];
     std::uint32_t beyond = kNone;
-    bool on_rim = false, is_in = true;
+    [[maybe_unused]] bool on_rim = false, is_in = true;  // only asserted
     for (std::size_t i = 0; i < 3 && beyond == kNone; ++i) {
       const LatticePoint a = position_[t.corner[i]], b = position_[t.corner[(i + 1) % 3]];
       if (side(a, b, p) > 0) continue;

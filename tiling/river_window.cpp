@@ -18,20 +18,6 @@ constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   throw Error(ErrorKind::storage, path + ": " + what + "; delete the scratch folder and run again");
 }
 
-bool meets(const LatticeBox& box, const CellGrid& grid, std::span<const Cell> cells) {
-  const Cell low = grid.of(box.min), high = grid.of(box.max);
-  auto at = std::lower_bound(cells.begin(), cells.end(), low);
-  while (at != cells.end() && at->first <= high.first) {
-    if (at->second < low.second)
-      at = std::lower_bound(at, cells.end(), Cell{at->first, low.second});
-    else if (at->second <= high.second)
-      return true;
-    else
-      at = std::lower_bound(at, cells.end(), Cell{at->first + 1, low.second});
-  }
-  return false;
-}
-
 struct Vertex {
   LatticePoint position;
   std::uint64_t point = 0;

@@ -38,20 +38,6 @@ void read_vertices(const store::Reader& in, std::span<const std::uint32_t> numbe
   }
 }
 
-bool meets(const LatticeBox& box, const CellGrid& grid, std::span<const Cell> cells) {
-  const Cell low = grid.of(box.min), high = grid.of(box.max);
-  auto at = std::lower_bound(cells.begin(), cells.end(), Cell{low.first, low.second});
-  while (at != cells.end() && at->first <= high.first) {
-    if (at->second < low.second)
-      at = std::lower_bound(at, cells.end(), Cell{at->first, low.second});
-    else if (at->second <= high.second)
-      return true;
-    else
-      at = std::lower_bound(at, cells.end(), Cell{at->first + 1, low.second});
-  }
-  return false;
-}
-
 // The triangles of one file with a corner in the cells, over their own vertices.
 Surface read_share(const store::Reader& in, const CellGrid& grid, std::span<const Cell> cells) {
   Surface out;
@@ -105,6 +91,20 @@ Surface read_share(const store::Reader& in, const CellGrid& grid, std::span<cons
 }
 
 }  // namespace
+
+bool meets(const LatticeBox& box, const CellGrid& grid, std::span<const Cell> cells) {
+  const Cell low = grid.of(box.min), high = grid.of(box.max);
+  auto at = std::lower_bound(cells.begin(), cells.end(), Cell{low.first, low.second});
+  while (at != cells.end() && at->first <= high.first) {
+    if (at->second < low.second)
+      at = std::lower_bound(at, cells.end(), Cell{at->first, low.second});
+    else if (at->second <= high.second)
+      return true;
+    else
+      at = std::lower_bound(at, cells.end(), Cell{at->first + 1, low.second});
+  }
+  return false;
+}
 
 PartLevels levels_of(const RunContext& context, std::uint32_t tile, const Part& part) {
   const std::vector<std::uint32_t> rim = part.rim();

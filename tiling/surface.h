@@ -62,6 +62,10 @@ class CellGrid {
   int shift_ = 0;
 };
 
+/// Whether a box meets one of some cells.
+/// @param cells  ascending, distinct. Complexity: O(log cells) for each column of the box.
+[[nodiscard]] bool meets(const LatticeBox& box, const CellGrid& grid, std::span<const Cell> cells);
+
 /// All triangles of the terrain with a corner in one of some cells: vertices in the cells have all their triangles.
 /// Vertices ascend by (x, y).
 /// @param cells          ascending, distinct.

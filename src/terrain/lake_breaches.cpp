@@ -149,8 +149,9 @@ class LakeBreacher::State {
 
   void add_raised_path(std::size_t pit) {
     if (!breacher_.run_raised(plateau(pit))) return;
-    for (const std::uint32_t v : breacher_.search().path())
-      if (!terrain_->is_outlet[v]) add(v, kNoLevel);
+    const auto path = breacher_.search().path();
+    for (const std::uint32_t v : path)
+      if (!terrain_->is_outlet[v]) add(v, level_[path.back()]);
   }
 
   const ChangeableTerrain* terrain_;

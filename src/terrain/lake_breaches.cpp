@@ -122,8 +122,8 @@ class LakeBreacher::State {
     }
     result_->num_unbreached = unbreached.size();
     std::sort(unbreached.begin(), unbreached.end());
-    if (is_bounded_ && unbreached.size() > 1) unbreached.resize(1);
-    for (const std::size_t i : unbreached) add_raised_path(i);
+    const std::size_t num_raised = is_bounded_ ? std::min<std::size_t>(unbreached.size(), 1) : unbreached.size();
+    for (std::size_t i = 0; i < num_raised; ++i) add_raised_path(unbreached[i]);
   }
 
   void add(std::uint32_t v, std::int32_t level) {

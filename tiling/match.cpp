@@ -291,6 +291,8 @@ class WindowMatch {
     for (const RiverMouth& mouth : mouths_.mouth) {
       out_.mouth.push_back(number_[mouth.vertex]);
       out_.mouth_kind.push_back(static_cast<std::uint8_t>(mouth.kind));
+      out_.mouth_length.push_back(mouth.length);
+      out_.mouth_climb.push_back(mouth.climb);
     }
     for (const std::uint32_t v : outlet_) out_.outlet.push_back(number_[v]);
     out_.counts = std::move(match_.counts);

@@ -32,6 +32,10 @@ struct RiverFigures {
 /// Precondition: the context has rivers.
 [[nodiscard]] RiverFigures collect_river_figures(const RunContext& context);
 
+/// Heights of listed vertices: as the rivers left them; and in the end, where that is known (rivers), else the same.
+[[nodiscard]] std::int32_t embedded_height(const EmbeddedRivers& rivers, std::uint32_t v);
+[[nodiscard]] std::int32_t final_height(const EmbeddedRivers& rivers, const RiverFigures& figures, std::uint32_t v);
+
 /// [tiles] Vertices on rims without a lower neighbour in any part, by the tile that owns them, before the rivers.
 [[nodiscard]] std::vector<std::uint64_t> laid_rim_minima(const RunContext& context);
 
@@ -45,7 +49,7 @@ void write_text(const RunContext& context, const RiverFigures& figures, std::ost
 /// Longitudinal profiles of the longest rivers, in a folder that holds no others afterwards. Returns their paths.
 std::vector<std::string> write_river_profiles(const RunContext& context, const RiverFigures& figures);
 
-/// Layers river_edges, moved_vertices, contradictions, mouths, outlet_chains, lines and lines_that_rise.
+/// The layers of river_layers.h: all of them.
 void write_river_layers(const RunContext& context, const RiverFigures& figures, GeoPackageWriter& out);
 
 }  // namespace hydrotin

@@ -160,6 +160,7 @@ void GroupSolver::describe(const RiverWindow& window, const Share& share, const 
   std::sort(out.moved.begin(), out.moved.end(),
             [](const MovedVertex& a, const MovedVertex& b) { return a.point < b.point; });
   tabulate(window, share, embedding, out);
+  list_limits(window, share, embedding, out);
   if (constraints.valley) {
     const double side_slope = constraints.side_slope * lattice.scale_xy / lattice.scale_z;
     const auto floor = valley_floor(lattice_relief.terrain(), share.river, side_slope, lattice_relief.height);
@@ -178,8 +179,13 @@ void GroupSolver::describe(const RiverWindow& window, const Share& share, const 
   std::sort(out.near.begin(), out.near.end());
   out.near.erase(std::unique(out.near.begin(), out.near.end()), out.near.end());
   for (const BrokenRow& row : embedding.broken) {
-    BrokenPlace& place = out.broken.emplace_back(
-        BrokenPlace{row.kind, row.is_strict_part, row.missing, {}, window.position[row.vertex.front()]});
+    BrokenPlace& place =
+        out.broken.emplace_back(BrokenPlace{row.kind,
+                                            row.is_strict_part,
+                                            row.missing,
+                                            {},
+                                            window.position[row.vertex.front()],
+                                            static_cast<std::int32_t>(lattice_relief.height[row.vertex.front()])});
     for (const std::uint32_t v : row.vertex) place.point.push_back(window.point[v]);
   }
   out.objective = embedding.objective;
@@ -204,9 +210,36 @@ void GroupSolver::tabulate(const RiverWindow& window, const Share& share, const 
   for (std::uint32_t& r : number)
     r = static_cast<std::uint32_t>(std::lower_bound(rivers.begin(), rivers.end(), r) - rivers.begin());
   const Relief relief(window, lattice.scale_xy, lattice.scale_z);
+  const RiverFaults before = river_faults(relief.terrain(), share.river, relief.height, 0);
+  const RiverFaults after = river_faults(relief.terrain(), share.river, embedding.height, 0);
   const auto rows = river_table(relief.terrain(), share.river, number, static_cast<std::uint32_t>(rivers.size()),
-                                embedding.height, 0);
+                                embedding.height, 0, before, after);
   for (std::size_t r = 0; r < rivers.size(); ++r) out.table.push_back({rivers[r], rows[r]});
+  const auto state = [](const RiverFaults& faults, std::size_t e) {
+    return RiverEdgeState{faults.wrong_flow[e] != 0, faults.not_valley[e] != 0, faults.flat[e] != 0};
+  };
+  for (std::size_t e = 0; e < share.river.size(); ++e)
+    out.edge.push_back({share.number[e], state(before, e), state(after, e)});
+}
+
+// Rows that leave no room, by the heights as embedded.
+void GroupSolver::list_limits(const RiverWindow& window, const Share& share, const Embedding& embedding,
+                              GroupSolution& out) const {
+  constexpr double kNear = 1e-6;
+  const Lattice& lattice = context_.plan.lattice;
+  const Relief relief(window, lattice.scale_xy, lattice.scale_z);
+  const auto height = [&](std::uint32_t v) {
+    return static_cast<std::int32_t>(std::lround(embedding.height[v] / lattice.scale_z));
+  };
+  for (const BindingLimit& limit : binding_limits(relief.terrain(), share.river, share.options.constraints,
+                                                  embedding.height, kNear, lattice.scale_z)) {
+    LimitPlace& place = out.limit.emplace_back();
+    place.kind = limit.kind;
+    place.is_largest_change = limit.is_largest_change;
+    if (limit.is_largest_change) place.change = height(limit.vertex[0]) - window.height[limit.vertex[0]];
+    for (const std::uint32_t v : limit.vertex)
+      place.corner.push_back({window.position[v].x, window.position[v].y, height(v)});
+  }
 }
 
 std::vector<GroupSolution> unite(const GroupSolver& solver, std::vector<GroupSolution> solutions) {

@@ -33,6 +33,7 @@ class GroupSolver {
                 std::span<const std::uint8_t> is_touched, GroupSolution& out) const;
 
   void tabulate(const RiverWindow& window, const Share& share, const Embedding& embedding, GroupSolution& out) const;
+  void list_limits(const RiverWindow& window, const Share& share, const Embedding& embedding, GroupSolution& out) const;
 
   const RunContext& context_;
   const RiverNetwork& network_;

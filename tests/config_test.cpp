@@ -286,7 +286,7 @@ TEST(Config, Rivers_AreReadAndChecked) {
                  "side_slope: 0.01, contiguous: 3, triangle_directions: 4, max_triangle_slope_change: 0.2, "
                  "flow: true, valley: false, river_only: true, match: insert, use_z: true, direction: "
                  "attribute, direction_field: way, reversed_values: [up, -1], name_field: name, "
-                 "lake_level_field: z, crs: EPSG:3358}\n")
+                 "lake_level_field: z, crs: EPSG:3358, points_out: gpkg}\n")
           .rivers;
   EXPECT_EQ(full.lakes, "/data/l.shp");
   EXPECT_EQ(full.constraints.decline_measure, DeclineMeasure::slope);
@@ -310,6 +310,8 @@ TEST(Config, Rivers_AreReadAndChecked) {
   EXPECT_EQ(full.name_field, "name");
   EXPECT_EQ(full.lake_level_field, "z");
   EXPECT_EQ(full.crs, "EPSG:3358");
+  EXPECT_EQ(full.points_out, PointsFile::gpkg);
+  EXPECT_EQ(plain.points_out, PointsFile::none);
   EXPECT_EQ(options_of(folder, lines + "rivers: {variant: VF}\n").rivers.constraints.decline_measure,
             DeclineMeasure::none);
 

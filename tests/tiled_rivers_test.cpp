@@ -5,12 +5,14 @@
 
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "expected_error.h"
 #include "hdf5_attributes.h"
 #include "hydrotin/error.h"
+#include "hydrotin/las.h"
 #include "hydrotin/lifting.h"
 #include "hydrotin/river_embedding.h"
 #include "hydrotin/river_lakes.h"
@@ -409,7 +411,8 @@ TEST(TiledRivers, JobArraysGiveTheSame) {
 TEST(TiledRivers, ReportAndLayersSayWhatWasDone) {
   const TemporaryFolder folder;
   const Scene scene = make_scene(folder, 5, 6'000, true);
-  const PipelineOptions options = options_of(scene, folder / "out", 1'500);
+  PipelineOptions options = options_of(scene, folder / "out", 1'500);
+  options.rivers.points_out = PointsFile::las;
   const DatasetSummary summary = run(options);
   const auto report = nlohmann::json::parse(testing::bytes_of(folder / "out/report.json"));
   const auto& rivers = report.at("rivers");
@@ -436,12 +439,50 @@ TEST(TiledRivers, ReportAndLayersSayWhatWasDone) {
             rivers.at("objective").get<double>() + 0.005 * rivers.at("vertices_moved").get<double>());
   EXPECT_NE(profile.find("<polyline"), std::string::npos);
   EXPECT_NE(profile.find(">stem</text>"), std::string::npos);
+  // River vertices as points: their heights in the files.
+  std::map<LatticePoint, std::int32_t> height;
+  const Lattice lattice = make_plan(options).lattice;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "out/terrain")) {
+    if (!entry.path().filename().string().starts_with("tile_")) continue;
+    const store::Reader in(entry.path().string());
+    const auto x = in.read<std::int32_t>("x"), y = in.read<std::int32_t>("y"), z = in.read<std::int32_t>("height");
+    const auto xyz = in.read<std::int32_t>("foreign_xyz"), h = in.read<std::int32_t>("foreign_height");
+    for (const std::uint32_t v : in.read<std::uint32_t>("river_edge"))
+      if (v < x.size())
+        height[{x[v], y[v]}] = z[v];
+      else
+        height[{xyz[3 * (v - x.size())], xyz[3 * (v - x.size()) + 1]}] = h[v - x.size()];
+  }
+  const LasFile points(folder / "out/river_vertices.las");
+  EXPECT_EQ(points.header().point_count, height.size());
+  EXPECT_EQ(points.header().scale[2], lattice.scale_z);
+  std::size_t same = 0;
+  for (std::size_t chunk = 0; chunk < points.num_chunks(); ++chunk) {
+    PointBatch batch;
+    points.decode(chunk, batch);
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      const auto at = [&](std::int32_t value, std::size_t axis, double offset, std::int64_t base) {
+        const double c = value * points.header().scale[axis] + points.header().offset[axis];
+        return static_cast<std::int32_t>(
+            std::llround((c - offset) / points.header().scale[axis] - static_cast<double>(base)));
+      };
+      const auto found = height.find(
+          {at(batch.x[i], 0, lattice.offset_x, lattice.base_x), at(batch.y[i], 1, lattice.offset_y, lattice.base_y)});
+      same += found != height.end() && found->second == at(batch.z[i], 2, lattice.offset_z, lattice.base_z) ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(same, height.size());
+  options.rivers.points_out = PointsFile::gpkg;
+  EXPECT_TRUE(run(options).ok);
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/river_vertices.las"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "out/river_vertices.gpkg"));
   // Without rivers nothing of them is left.
   PipelineOptions without = options;
   without.rivers = {};
   EXPECT_EQ(run(without).river_edges, 0U);
   EXPECT_FALSE(std::filesystem::exists(folder / "out/terrain/rivers.h5"));
   EXPECT_FALSE(std::filesystem::exists(folder / "out/profiles"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/river_vertices.gpkg"));
   EXPECT_TRUE(check_dataset(folder / "out", 1000).ok);
 }
 

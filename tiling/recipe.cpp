@@ -95,6 +95,8 @@ std::string recipe(const std::string& plan_recipe, const PipelineOptions& option
         .add(std::int64_t{options.output.dem.cog})
         .add(std::int64_t{options.output.dem.hillshade})
         .add(std::int64_t{options.output.dem.change});
+  if (phase >= Phase::report && options.rivers.are_given())
+    hash.add(static_cast<std::int64_t>(options.rivers.points_out));
   return hash.hex();
 }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstdlib>
 #include <tuple>
 #include <unordered_map>
 
@@ -151,6 +152,33 @@ class LayerWriter {
 };
 
 }  // namespace
+
+void write_river_points(const RunContext& context, const RiverFigures& figures) {
+  const PointsFile format = context.options.rivers.points_out;
+  if (format == PointsFile::none) return;
+  const RiverNetwork& network = context.rivers->network;
+  const Lattice& l = context.plan.lattice;
+  std::vector<std::uint32_t> vertices;
+  for (const auto& [from, to] : network.river) vertices.insert(vertices.end(), {from, to});
+  std::sort(vertices.begin(), vertices.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return network.position[a] < network.position[b]; });
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  std::vector<RiverPoint> points;
+  for (const std::uint32_t v : vertices)
+    points.push_back(
+        {{l.x(network.position[v].x), l.y(network.position[v].y), l.z(final_height(*context.rivers, figures, v))},
+         0,
+         l.z(network.height[v])});
+  // The lattice of the data: nothing is rounded.
+  const auto offset = [](std::int64_t base, double scale, double given) {
+    return std::abs(base) < (std::int64_t{1} << 30) ? given : given + static_cast<double>(base) * scale;
+  };
+  const PointFrame frame{{l.scale_xy, l.scale_xy, l.scale_z},
+                         {offset(l.base_x, l.scale_xy, l.offset_x), offset(l.base_y, l.scale_xy, l.offset_y),
+                          offset(l.base_z, l.scale_z, l.offset_z)}};
+  write_river_points(context.layout.river_points(format == PointsFile::las ? "las" : "gpkg"), context.plan.crs_wkt,
+                     frame, VertexNumbers::hidden, points);
+}
 
 void write_river_layers(const RunContext& context, const RiverFigures& figures, GeoPackageWriter& out) {
   LayerWriter layers(context, figures, out);

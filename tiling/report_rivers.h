@@ -49,6 +49,9 @@ void write_text(const RunContext& context, const RiverFigures& figures, std::ost
 /// Longitudinal profiles of the longest rivers, in a folder that holds no others afterwards. Returns their paths.
 std::vector<std::string> write_river_profiles(const RunContext& context, const RiverFigures& figures);
 
+/// The file of river vertices, if one is asked for.
+void write_river_points(const RunContext& context, const RiverFigures& figures);
+
 /// The layers of river_layers.h: all of them.
 void write_river_layers(const RunContext& context, const RiverFigures& figures, GeoPackageWriter& out);
 

@@ -307,10 +307,26 @@ void read_constraints(const Reader& rivers, RiverConstraints& constraints) {
 
 void read_rivers(const Reader& input, const Reader& rivers, const std::filesystem::path& folder,
                  RiverOptions& options) {
-  rivers.require_keys({"variant", "decline", "max_edge_slope_change", "max_change_m", "side_slope", "contiguous",
-                       "triangle_directions", "max_triangle_slope_change", "flow", "valley", "river_only", "match",
-                       "use_z", "direction", "direction_field", "reversed_values", "name_field", "lake_level_field",
-                       "crs"});
+  rivers.require_keys({"variant",
+                       "decline",
+                       "max_edge_slope_change",
+                       "max_change_m",
+                       "side_slope",
+                       "contiguous",
+                       "triangle_directions",
+                       "max_triangle_slope_change",
+                       "flow",
+                       "valley",
+                       "river_only",
+                       "match",
+                       "use_z",
+                       "direction",
+                       "direction_field",
+                       "reversed_values",
+                       "name_field",
+                       "lake_level_field",
+                       "crs",
+                       "points_out"});
   const Reader lines = input.at("rivers"), lakes = input.at("lakes");
   if (lines.is_given()) options.lines = resolved(folder, lines.text("a file of lines"));
   if (lakes.is_given()) options.lakes = resolved(folder, lakes.text("a file of polygons"));
@@ -347,6 +363,10 @@ void read_rivers(const Reader& input, const Reader& rivers, const std::filesyste
   if (const Reader level = rivers.at("lake_level_field"); level.is_given()) {
     options.lake_level_field = level.text("an attribute of the lakes");
     if (!lakes.is_given()) fail(level.place(), level.name() + ": there are no lakes (give input.lakes)");
+  }
+  if (const Reader points = rivers.at("points_out"); points.is_given()) {
+    constexpr PointsFile kValues[] = {PointsFile::none, PointsFile::las, PointsFile::gpkg};
+    options.points_out = kValues[points.choice({"none", "las", "gpkg"})];
   }
   if (const Reader crs = rivers.at("crs"); crs.is_given()) {
     options.crs = crs.text("EPSG:n or WKT");

@@ -22,6 +22,7 @@ enum class OutletPolicy : std::uint8_t {
   layer    ///< at the features of a file: PitOptions::outlet_layer
 };
 enum class PitMethod : std::uint8_t { none, lift, breach, greedy_breach, least_change };
+enum class PointsFile : std::uint8_t { none, las, gpkg };
 enum class KeepWork : std::uint8_t { never, on_failure, always };
 
 struct InputOptions {
@@ -114,6 +115,7 @@ struct RiverOptions {
   std::vector<std::string> reversed_values{"-1", "reversed", "upstream", "against"};  ///< its values for upstream
   std::string name_field;        ///< attribute that names rivers; empty: networks are numbered
   std::string lake_level_field;  ///< attribute with the level of a lake; empty: wherever is cheapest
+  PointsFile points_out = PointsFile::none;  ///< river vertices as points beside the other results
   RiverConstraints constraints;  ///< slopes as rise over run; without lakes, preserved edges and chains
 
   [[nodiscard]] bool are_given() const { return !lines.empty(); }

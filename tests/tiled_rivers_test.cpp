@@ -8,12 +8,14 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 
 #include "expected_error.h"
 #include "hdf5_attributes.h"
 #include "hydrotin/error.h"
 #include "hydrotin/las.h"
 #include "hydrotin/lifting.h"
+#include "hydrotin/river_burning.h"
 #include "hydrotin/river_embedding.h"
 #include "hydrotin/river_lakes.h"
 #include "hydrotin/river_matching.h"
@@ -41,7 +43,8 @@ struct Scene {
   std::vector<std::int32_t> height;
   std::vector<std::string> files;
   std::vector<Chain> line, lake;  // as the files of points count
-  std::string rivers, lakes;
+  std::vector<Chain> preserved;
+  std::string rivers, lakes, preserved_file;
 };
 
 VectorPoint in_crs(LatticePoint p) {
@@ -148,6 +151,7 @@ PipelineOptions options_of(const Scene& scene, const std::string& out, std::uint
   options.triangulation.order = 1;
   options.rivers.lines = scene.rivers;
   options.rivers.lakes = scene.lakes;
+  options.rivers.preserve_edges = scene.preserved_file;
   options.rivers.name_field = "name";
   options.pits.method = PitMethod::lift;  // what the whole in memory does
   return options;
@@ -158,9 +162,8 @@ struct Expected {
   std::uint64_t vertices = 0, triangles = 0, rivers = 0, chains = 0, outlets = 0, moved = 0, invalid = 0;
 };
 
-/// The same in memory, in one go.
-Expected expected_of(const Scene& scene, const PipelineOptions& options) {
-  const Lattice lattice = make_plan(options).lattice;
+/// The terrain without its rivers.
+LatticeTerrain terrain_of(const Scene& scene, const PipelineOptions& options, const Lattice& lattice) {
   const auto place = [&](LatticePoint p) {
     return LatticePoint{static_cast<std::int32_t>(p.x - lattice.base_x),
                         static_cast<std::int32_t>(p.y - lattice.base_y)};
@@ -178,6 +181,49 @@ Expected expected_of(const Scene& scene, const PipelineOptions& options) {
                                {});
   for (const auto& t : tin.triangles) given.triangle.insert(given.triangle.end(), t.begin(), t.end());
   link_twins(given);
+  return given;
+}
+
+/// The edges of some triangles among vertices, the smaller vertex first.
+std::set<std::pair<std::uint32_t, std::uint32_t>> edges_of(const LatticeTerrain& terrain) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> out;
+  for (std::uint32_t h = 0; h < terrain.triangle.size(); ++h)
+    out.insert(std::minmax(terrain.origin(h), terrain.target(h)));
+  return out;
+}
+
+/// Every so many edges of the terrain, as lines of a file.
+void preserve_some(Scene& scene, const TemporaryFolder& folder, const PipelineOptions& options, std::size_t step) {
+  const Lattice lattice = make_plan(options).lattice;
+  const LatticeTerrain terrain = terrain_of(scene, options, lattice);
+  scene.preserved_file = folder / "preserved.gpkg";
+  GeoPackageWriter out(scene.preserved_file, "EPSG:32633");
+  const int layer = out.add_layer("edges", VectorGeometry::line, false, {});
+  std::size_t i = 0;
+  for (const auto& [a, b] : edges_of(terrain)) {
+    if (++i % step != 0) continue;
+    Chain line;
+    std::vector<VectorPoint> points;
+    for (const std::uint32_t v : {a, b}) {
+      const LatticePoint p = terrain.position[v];
+      line.push_back(
+          {static_cast<std::int32_t>(p.x + lattice.base_x), static_cast<std::int32_t>(p.y + lattice.base_y)});
+      points.push_back(in_crs(line.back()));
+    }
+    out.add_line(layer, points, {});
+    scene.preserved.push_back(line);
+  }
+  out.finish();
+}
+
+/// The same in memory, in one go.
+Expected expected_of(const Scene& scene, const PipelineOptions& options) {
+  const Lattice lattice = make_plan(options).lattice;
+  const auto place = [&](LatticePoint p) {
+    return LatticePoint{static_cast<std::int32_t>(p.x - lattice.base_x),
+                        static_cast<std::int32_t>(p.y - lattice.base_y)};
+  };
+  const LatticeTerrain given = terrain_of(scene, options, lattice);
   RiverLines lines;
   for (std::size_t i = 0; i < scene.line.size(); ++i) {
     Chain chain;
@@ -233,7 +279,29 @@ Expected expected_of(const Scene& scene, const PipelineOptions& options) {
   std::vector<double> z;
   for (const double h : terrain.height) z.push_back(h * lattice.scale_z);
   embedding.constraints.chain = chains.edge;
-  const Embedding embedded = embed_rivers({position, z, terrain.triangle}, match.rivers, embedding);
+  const auto edges = edges_of(terrain);
+  for (const Chain& line : scene.preserved) {
+    const auto find = [&](LatticePoint p) {
+      return static_cast<std::uint32_t>(std::find(terrain.position.begin(), terrain.position.end(), place(p)) -
+                                        terrain.position.begin());
+    };
+    const std::uint32_t a = find(line[0]), b = find(line[1]);
+    if (edges.contains(std::minmax(a, b)))
+      embedding.constraints.preserve.push_back(
+          {a, b, options.rivers.preserve_drainage, options.rivers.preserve_curvature});
+  }
+  Embedding embedded;
+  if (options.rivers.method == RiverMethod::lp) {
+    embedded = embed_rivers({position, z, terrain.triangle}, match.rivers, embedding);
+  } else {
+    std::vector<std::array<double, 2>> at;
+    for (const LatticePoint p : terrain.position) at.push_back({static_cast<double>(p.x), static_cast<double>(p.y)});
+    embedding.quantum = 1;
+    BurnedEmbedding burned = embed_by_burning({at, terrain.height, terrain.triangle}, match.rivers, embedding);
+    if (burned.fault != BurningFault::none) throw std::runtime_error("rivers that dp cannot handle");
+    embedded = std::move(burned.embedding);
+    for (double& h : embedded.height) h *= lattice.scale_z;
+  }
   std::vector<std::int32_t> height;
   for (std::size_t v = 0; v < z.size(); ++v) {
     height.push_back(static_cast<std::int32_t>(std::llround(embedded.height[v] / lattice.scale_z)));
@@ -268,7 +336,7 @@ void expect_checked(const std::string& dir, std::uint64_t river_edges, std::uint
 void expect_same(const Scene& scene, const PipelineOptions& base, const TemporaryFolder& folder,
                  const std::string& name, const std::vector<std::uint64_t>& targets) {
   const Expected expected = expected_of(scene, base);
-  EXPECT_GT(expected.rivers, 15U);
+  EXPECT_GT(expected.rivers, 10U);
   EXPECT_GT(expected.moved, 0U);
   int serial = 0;
   for (const std::uint64_t target : targets) {
@@ -331,6 +399,54 @@ TEST(TiledRivers, VariantsEqualTheWhole) {
   });
   with("exact", [](RiverOptions& r) { r.constraints.contiguity = Contiguity::exact; });
   with("reversed", [](RiverOptions& r) { r.matching.direction = LineDirection::reversed; });
+}
+
+TEST(TiledRivers, MethodsEqualTheWhole) {
+  const TemporaryFolder folder;
+  Scene scene = make_scene(folder, 13, 2'000, false);
+  scene.line.resize(4);
+  write_lines(scene, folder, "merging_");
+  const auto with = [&](const std::string& name, auto change) {
+    PipelineOptions options = options_of(scene, folder / "plan", kEverything);
+    options.rivers.matching.direction = LineDirection::digitised;  // rivers that only merge
+    change(options.rivers);
+    expect_same(scene, options, folder, name, {1'000});
+    return nlohmann::json::parse(testing::bytes_of(folder / (name + "0/report.json")));
+  };
+  const auto free = with("free", [](RiverOptions&) {});
+  const auto lp = with("lp", [](RiverOptions& r) { r.constraints.river_only = true; }).at("rivers");
+  const auto dp = with("dp", [](RiverOptions& r) { r.method = RiverMethod::dp; }).at("rivers");
+  EXPECT_EQ(lp.at("contradictions"), 0);
+  EXPECT_NEAR(dp.at("bound").get<double>(), lp.at("bound").get<double>(), 1e-4);
+  EXPECT_EQ(dp.at("method"), "dp");
+  // At once out of time: each group by itself keeps flow and valleys, whatever the tiling.
+  std::string fingerprint;
+  for (const std::uint64_t target : {kEverything, std::uint64_t{1'000}}) {
+    PipelineOptions options = options_of(scene, folder / ("limited" + std::to_string(target)), target);
+    options.rivers.matching.direction = LineDirection::digitised;
+    options.rivers.time_limit = 1e-9;
+    const DatasetSummary got = run(options);
+    if (fingerprint.empty()) fingerprint = got.fingerprint;
+    EXPECT_EQ(got.fingerprint, fingerprint);
+    EXPECT_TRUE(got.ok);
+    EXPECT_EQ(got.invalid_river_edges, 0U);
+    expect_checked(options.output.dir, got.river_edges);
+    const auto limited = nlohmann::json::parse(testing::bytes_of(options.output.dir + "/report.json")).at("rivers");
+    EXPECT_EQ(limited.at("optimal"), false);
+    EXPECT_EQ(limited.at("time_limit"), 1e-9);
+    EXPECT_GT(limited.at("objective"), lp.at("bound"));
+    EXPECT_LE(limited.at("bound"), lp.at("bound"));
+  }
+  preserve_some(scene, folder, options_of(scene, folder / "plan", kEverything), 25);
+  for (const bool insert : {false, true}) {
+    const auto kept = with(insert ? "insert" : "kept", [&](RiverOptions& r) {
+      r.matching.insert = insert;
+      r.preserve_curvature = insert;
+    });
+    EXPECT_GT(kept.at("rivers").at("lines").at("preserved_edges"), 100);
+    EXPECT_EQ(kept.at("rivers").at("lines").at("preserved_edges_cut") > 0, insert);
+    EXPECT_NE(kept.at("fingerprint"), free.at("fingerprint"));
+  }
 }
 
 TEST(TiledRivers, LeastChangeKeepsRivers) {
@@ -578,6 +694,27 @@ TEST(TiledRivers, BadInputsAreNamed) {
   EXPECT_NE(
       testing::error_of([&] { (void)run(options); }, ErrorKind::input).find("no line runs along or across an edge"),
       std::string::npos);
+  Scene edges = make_scene(folder, 3, 2'000, false);
+  preserve_some(edges, folder, options_of(edges, folder / "plan", kEverything), 3'000);
+  options = options_of(edges, folder / "out", 1'000);
+  options.rivers.matching.direction = LineDirection::digitised;
+  options.triangulation.order = 2;  // another terrain, maybe without that edge; and a line that is no edge of either
+  {
+    GeoPackageWriter out(folder / "preserved.gpkg", "EPSG:32633");
+    const int layer = out.add_layer("edges", VectorGeometry::line, false, {});
+    out.add_line(layer, std::vector<VectorPoint>{in_crs(edges.position.front()), in_crs(edges.position.back())}, {});
+    out.finish();
+  }
+  EXPECT_NE(testing::error_of([&] { (void)run(options); }, ErrorKind::input).find("runs no edge of the terrain"),
+            std::string::npos);
+  options.rivers.preserve_edges = options.rivers.lines;  // leaves the terrain
+  EXPECT_NE(testing::error_of([&] { (void)run(options); }, ErrorKind::input).find("is outside the terrain"),
+            std::string::npos);
+  options = options_of(edges, folder / "out", 1'000);
+  options.rivers.preserve_edges.clear();
+  options.rivers.method = RiverMethod::dp;  // its network parts
+  EXPECT_NE(testing::error_of([&] { (void)run(options); }, ErrorKind::input).find("which rivers.method: dp cannot"),
+            std::string::npos);
   Scene lakes = make_scene(folder, 3, 2'000, true);
   lakes.lake.push_back(lakes.lake[0]);
   write_lines(lakes, folder, "twice_");

@@ -44,6 +44,18 @@ std::vector<Corners> sorted_triangles(std::span<const std::uint32_t> triangle) {
   return out;
 }
 
+using Edge = std::pair<std::uint32_t, std::uint32_t>;
+
+// Ascending, the smaller vertex first.
+std::vector<Edge> edges_of(std::span<const std::uint32_t> triangle) {
+  std::vector<Edge> out;
+  for (std::size_t t = 0; t < triangle.size(); t += 3)
+    for (std::size_t i = 0; i < 3; ++i) out.emplace_back(std::minmax(triangle[t + i], triangle[t + (i + 1) % 3]));
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
 // The network on one window. Vertices of the window keep their numbers, new ones follow.
 class WindowMatch {
  public:
@@ -54,6 +66,7 @@ class WindowMatch {
   std::vector<std::uint32_t> run() {
     match();
     if (!need(rivers())) return incomplete_;
+    find_preserved();
     find_lakes();
     find_chains();
     if (!incomplete_.empty()) return incomplete_;
@@ -134,6 +147,40 @@ class WindowMatch {
   [[nodiscard]] RiverTerrain plane_terrain() { return {plane_, terrain().height, terrain().triangle}; }
   [[nodiscard]] std::uint32_t num_vertices() const { return match_.terrain.num_vertices(); }
 
+  // The edges of the terrain as measured that the lines of the file run along.
+  void find_preserved() {
+    if (input_.preserved.size() == 0) return;
+    const std::vector<Edge> edges = edges_of(window_.triangle);
+    constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+    for (const PreservedSegment& s : preserved_segments(input_, context_.plan.lattice, context_.outline.bounds())) {
+      const std::uint32_t a = window_.find(s.a), b = window_.find(s.b);
+      if (a != kNone && b != kNone && std::binary_search(edges.begin(), edges.end(), Edge(std::minmax(a, b)))) {
+        preserved_.emplace_back(std::minmax(a, b));
+        continue;
+      }
+      const Lattice& l = context_.plan.lattice;
+      const auto text = [&](LatticePoint p) {
+        return "x " + std::to_string(l.x(p.x)) + ", y " + std::to_string(l.y(p.y));
+      };
+      throw Error(ErrorKind::input, input_.preserved_path + ": feature " +
+                                        std::to_string(input_.preserved.feature[s.line]) + ": from " + text(s.a) +
+                                        " to " + text(s.b) +
+                                        " runs no edge of the terrain; draw lines along edges, from vertex to vertex");
+    }
+    std::sort(preserved_.begin(), preserved_.end());
+    preserved_.erase(std::unique(preserved_.begin(), preserved_.end()), preserved_.end());
+  }
+
+  // An edge that an inserted line or a Steiner point cut has no type any more.
+  void drop_cut_edges() {
+    if (preserved_.empty()) return;
+    const std::vector<Edge> edges = edges_of(terrain().triangle);
+    const std::size_t cut = std::erase_if(
+        preserved_, [&](const Edge& edge) { return !std::binary_search(edges.begin(), edges.end(), edge); });
+    count("preserved_edges", preserved_.size());
+    count("preserved_edges_cut", cut);
+  }
+
   void find_lakes() {
     refresh_plane();
     if (input_.lakes.size() > 0) {
@@ -200,6 +247,7 @@ class WindowMatch {
     round_heights(first);
     count("steiner_points", cleared.num_points);
     count("triangles_too_small", cleared.num_left);
+    drop_cut_edges();
   }
 
   // Which triangles come and go. All their corners must be known completely: then they do not depend on the window.
@@ -224,6 +272,7 @@ class WindowMatch {
     for (const Lake& lake : lakes_) used.insert(used.end(), lake.vertex.begin(), lake.vertex.end());
     for (const RiverMouth& mouth : mouths_.mouth) used.push_back(mouth.vertex);
     used.insert(used.end(), outlet_.begin(), outlet_.end());
+    for (const auto& [a, b] : preserved_) used.insert(used.end(), {a, b});
     for (std::uint32_t v = old; v < num_vertices(); ++v) used.push_back(v);
     const auto key = [&](std::uint32_t v) {
       return std::tuple(v >= old, v < old ? window_.point[v] : 0, terrain().position[v]);
@@ -295,6 +344,7 @@ class WindowMatch {
       out_.mouth_climb.push_back(mouth.climb);
     }
     for (const std::uint32_t v : outlet_) out_.outlet.push_back(number_[v]);
+    for (const auto& [a, b] : preserved_) out_.preserved.push_back({number_[a], number_[b]});
     out_.counts = std::move(match_.counts);
     out_.is_turned = std::move(match_.is_turned);
     out_.drop = std::move(match_.drop);
@@ -373,6 +423,7 @@ class WindowMatch {
   std::vector<std::array<double, 2>> plane_;
   std::vector<Lake> lakes_;
   OutletChains mouths_;
+  std::vector<Edge> preserved_;
   std::vector<std::uint32_t> outlet_;  // besides those of the policy
   std::vector<Corners> gone_, come_;
   std::vector<std::uint32_t> number_;
@@ -414,6 +465,9 @@ void match_rivers(const RunContext& context) {
   for (std::size_t i = 0; i < lines.size(); ++i)
     for (std::size_t p = 1; p < lines.line(i).size(); ++p) cells.add_segment(lines.line(i)[p - 1], lines.line(i)[p]);
   add_lakes(context, cells);
+  for (const PreservedSegment& s :
+       preserved_segments(*context.river_input, context.plan.lattice, context.outline.bounds()))
+    cells.add_segment(s.a, s.b);
   for (std::int32_t rings = 1;; rings *= 2) {
     const RiverWindow window = reader.read(cells.grid(), cells.cells());
     WindowMatch match(context, window, lines);

@@ -42,6 +42,10 @@ void add_rivers(const RiverOptions& rivers, RecipeHash& hash) {
       .add(static_cast<std::int64_t>(c.contiguity))
       .add(std::int64_t{c.imaginary_points})
       .add(std::int64_t{c.river_only})
+      .add(static_cast<std::int64_t>(rivers.method))
+      .add(rivers.time_limit)
+      .add(std::int64_t{rivers.preserve_drainage})
+      .add(std::int64_t{rivers.preserve_curvature})
       .add(c.max_change);
 }
 

@@ -202,6 +202,7 @@ void write_to_index(const RunContext& context, const RiverFigures& figures, stor
 }
 
 std::string rivers_json(const RunContext& context, const RiverFigures& f) {
+  const double time_limit = context.options.rivers.time_limit;
   ordered_json steps = ordered_json::object(), table = ordered_json::array(), broken = ordered_json::object();
   for (const auto& [name, number] : context.rivers->network.counts) steps[name] = number;
   for (const std::uint32_t r : f.order) table.push_back(to_json(f.names.name[r], f.row[r]));
@@ -222,6 +223,8 @@ std::string rivers_json(const RunContext& context, const RiverFigures& f) {
                             {"objective", f.total},
                             {"bound", f.bound},
                             {"optimal", f.optimal},
+                            {"method", context.options.rivers.method == RiverMethod::dp ? "dp" : "lp"},
+                            {"time_limit", time_limit > 0 ? ordered_json(time_limit) : ordered_json()},
                             {"max_change", f.largest},
                             {"rows", f.rows},
                             {"columns", f.columns},
@@ -255,6 +258,9 @@ void write_text(const RunContext& context, const RiverFigures& f, std::ostream& 
   row("  total change", f.total);
   row("  largest change", f.largest);
   row("  optimal", f.optimal ? "yes" : "no");
+  if (context.options.rivers.time_limit > 0)
+    row("  time limit", std::to_string(context.options.rivers.time_limit) + " s a group" +
+                            (f.optimal ? "" : " (met: another machine may come further)"));
   row("  contradictions", f.broken);
   out << "\nLines\n";
   for (const auto& [name, number] : context.rivers->network.counts) {

@@ -27,8 +27,14 @@ class GroupSolver {
  private:
   struct Share;  // the rivers of some groups over a window
 
+  using PointEdge = std::pair<std::uint64_t, std::uint64_t>;
+
+  [[nodiscard]] Embedding embed(const RiverWindow& window, const Share& share) const;
+  [[nodiscard]] bool preserve_near(const RiverWindow& window, std::span<const std::uint8_t> is_touched,
+                                   std::vector<PointEdge>& preserved) const;
   [[nodiscard]] std::vector<std::uint32_t> vertices_of(std::span<const std::uint32_t> group) const;
-  [[nodiscard]] Share share_in(const RiverWindow& window, std::span<const std::uint32_t> group) const;
+  [[nodiscard]] Share share_in(const RiverWindow& window, std::span<const std::uint32_t> group,
+                               std::span<const PointEdge> preserved) const;
   void describe(const RiverWindow& window, const Share& share, const Embedding& embedding,
                 std::span<const std::uint8_t> is_touched, GroupSolution& out) const;
 
@@ -39,6 +45,7 @@ class GroupSolver {
   const RiverNetwork& network_;
   RiverNames names_;
   WindowReader reader_;
+  std::vector<PointEdge> preserved_;  // ascending, the smaller point first
   std::vector<std::uint32_t> river_begin_, river_, chain_begin_, chain_, lake_begin_, lake_;  // of each group
 };
 

@@ -443,6 +443,7 @@ void write_network(store::Writer& out, const RiverNetwork& n) {
   write_edges(out, "chain", n.chain, "edges of outlet chains: from, to; vertices");
   out.append("chain_group", n.chain_group, "its group");
   write_lakes(out, n);
+  write_edges(out, "preserved", n.preserved, "edges whose type must not change; vertices");
   write_counts(out, n.counts);
   out.append("is_turned", n.is_turned, "1: the line runs against the order of its points");
   out.append("drop", n.drop, "of each line downstream, z lattice");
@@ -485,6 +486,7 @@ RiverNetwork read_network(const RunContext& context) {
   check_below(in, n.river_group, n.num_groups());
   check_below(in, n.chain_group, n.num_groups());
   read_lakes(in, n);
+  n.preserved = read_edges(in, "preserved", n.num_vertices());
   n.counts = read_counts(in);
   const std::uint64_t lines = context.river_input->lines.size();
   n.is_turned = read_sized<std::uint8_t>(in, "is_turned", lines);

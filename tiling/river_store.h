@@ -65,6 +65,7 @@ struct RiverNetwork {
   std::vector<std::uint8_t> mouth_kind;                      ///< MouthKind
   std::vector<std::uint32_t> mouth_length;                   ///< edges of its chain
   std::vector<double> mouth_climb;                           ///< z lattice units
+  std::vector<RiverEdge> preserved;   ///< listed vertices: edges whose type must not change; ascending
   std::vector<std::uint32_t> outlet;  ///< listed vertices: closed mouths, and lakes that no river leaves
 
   [[nodiscard]] std::uint32_t num_vertices() const { return static_cast<std::uint32_t>(point.size()); }

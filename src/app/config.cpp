@@ -305,6 +305,33 @@ void read_constraints(const Reader& rivers, RiverConstraints& constraints) {
     constraints.max_change = most.real(1e-9, 1e6, "a height in metres above 0");
 }
 
+// How the program is solved, and what it must leave as it is.
+void read_method(const Reader& rivers, bool has_lakes, const std::filesystem::path& folder, RiverOptions& options) {
+  if (const Reader limit = rivers.at("time_limit"); limit.is_given())
+    options.time_limit = limit.real(1e-9, 1e9, "seconds, above 0");
+  const Reader edges = rivers.at("preserve_edges"), kind = rivers.at("preserve");
+  if (edges.is_given()) options.preserve_edges = resolved(folder, edges.text("a file of lines"));
+  if (kind.is_given()) {
+    if (!edges.is_given()) fail(kind.place(), kind.name() + ": there are no edges (give rivers.preserve_edges)");
+    const std::size_t chosen = kind.choice({"drainage", "curvature", "both"});
+    options.preserve_drainage = chosen != 1;
+    options.preserve_curvature = chosen != 0;
+  }
+  const Reader method = rivers.at("method");
+  if (!method.is_given() || method.choice({"lp", "dp"}) == 0) return;
+  options.method = RiverMethod::dp;
+  const auto clash = [&](const std::string& key) {
+    fail(method.place(), method.name() + ": dp moves river vertices for flow, valley, decline and side slope only, " +
+                             "and ends by itself, so not with " + key + " (leave that out, or give lp)");
+  };
+  if (has_lakes) clash("input.lakes");
+  for (const char* key : {"contiguous", "max_change_m", "time_limit", "preserve_edges"})
+    if (rivers.at(key).is_given()) clash(std::string("rivers.") + key);
+  if (!options.constraints.directions.empty()) clash("rivers.triangle_directions");
+  if (!options.constraints.flow) clash("rivers.flow: false");
+  if (!options.constraints.valley) clash("rivers.valley: false");
+}
+
 void read_rivers(const Reader& input, const Reader& rivers, const std::filesystem::path& folder,
                  RiverOptions& options) {
   rivers.require_keys({"variant",
@@ -326,7 +353,11 @@ void read_rivers(const Reader& input, const Reader& rivers, const std::filesyste
                        "name_field",
                        "lake_level_field",
                        "crs",
-                       "points_out"});
+                       "points_out",
+                       "method",
+                       "time_limit",
+                       "preserve_edges",
+                       "preserve"});
   const Reader lines = input.at("rivers"), lakes = input.at("lakes");
   if (lines.is_given()) options.lines = resolved(folder, lines.text("a file of lines"));
   if (lakes.is_given()) options.lakes = resolved(folder, lakes.text("a file of polygons"));
@@ -335,6 +366,7 @@ void read_rivers(const Reader& input, const Reader& rivers, const std::filesyste
   if (rivers.is_given() && !lines.is_given())
     fail(rivers.place(), "rivers: there are none (give their lines as input.rivers)");
   read_constraints(rivers, options.constraints);
+  read_method(rivers, lakes.is_given(), folder, options);
   if (const Reader match = rivers.at("match"); match.is_given())
     options.matching.insert = match.choice({"snap", "insert"}) == 1;
   if (const Reader z = rivers.at("use_z"); z.is_given()) {

@@ -19,6 +19,7 @@
 #include "hydrotin/river_embedding.h"
 #include "hydrotin/river_lakes.h"
 #include "hydrotin/river_matching.h"
+#include "hydrotin/river_statistics.h"
 #include "hydrotin/vector.h"
 #include "hydrotin/wingtip_clearing.h"
 #include "monolith.h"
@@ -160,6 +161,7 @@ PipelineOptions options_of(const Scene& scene, const std::string& out, std::uint
 struct Expected {
   std::string fingerprint;
   std::uint64_t vertices = 0, triangles = 0, rivers = 0, chains = 0, outlets = 0, moved = 0, invalid = 0;
+  std::uint64_t wrong_flow = 0, not_valley = 0, flat = 0, leaks = 0, beyond = 0;  // in the end
 };
 
 /// The terrain without its rivers.
@@ -311,6 +313,31 @@ Expected expected_of(const Scene& scene, const PipelineOptions& options) {
   const auto level = lift(graph, height, outlet);
   out.invalid = invalid_river_edges(terrain.position, level, terrain.triangle, match.rivers, true, true).size();
   EXPECT_TRUE(out.invalid == 0 || !embedded.broken.empty());
+  std::vector<double> last, last_units;
+  for (const std::int32_t h : level) {
+    last.push_back(h * lattice.scale_z);
+    last_units.push_back(h);
+  }
+  std::vector<std::array<double, 2>> units;
+  for (const LatticePoint p : terrain.position) units.push_back({static_cast<double>(p.x), static_cast<double>(p.y)});
+  const RiverStatistics in_units = river_statistics({units, last_units, terrain.triangle}, match.rivers, last_units, 0);
+  out.wrong_flow = in_units.wrong_flow;
+  out.not_valley = in_units.not_valley;
+  out.flat = in_units.flat_edges;
+  out.leaks = river_statistics({position, z, terrain.triangle}, match.rivers, last, 0).leak_vertices;
+  std::vector<std::uint8_t> is_exempt(terrain.num_vertices(), 0);
+  for (const auto& [from, to] : match.rivers) is_exempt[from] = is_exempt[to] = 1;
+  for (const auto& [from, to] : chains.edge) is_exempt[from] = is_exempt[to] = 1;
+  for (const Lake& lake : embedding.constraints.lakes)
+    for (const std::uint32_t v : lake.vertex) is_exempt[v] = 1;
+  for (const auto& [a, b] : edges_of(terrain)) {
+    const auto change = [&](const std::vector<std::int32_t>& now) {
+      return std::abs((now[a] - terrain.height[a]) - (now[b] - terrain.height[b]));
+    };
+    const double most = options.rivers.constraints.edge_slope_change * std::abs(terrain.height[a] - terrain.height[b]);
+    if (is_exempt[a] == 0 && is_exempt[b] == 0 && options.rivers.constraints.limit_edge_slope && most > 1)
+      out.beyond += change(level) > most + 1e-9 && change(height) <= most + 1e-9 ? 1 : 0;
+  }
   Fingerprint sum;
   const auto corner = [&](std::uint32_t v) {
     return Fingerprint::Corner{terrain.position[v].x, terrain.position[v].y, level[v]};
@@ -338,6 +365,9 @@ void expect_same(const Scene& scene, const PipelineOptions& base, const Temporar
   const Expected expected = expected_of(scene, base);
   EXPECT_GT(expected.rivers, 10U);
   EXPECT_GT(expected.moved, 0U);
+  if (base.rivers.constraints.limit_edge_slope) {
+    EXPECT_GT(expected.beyond, 0U);
+  }
   int serial = 0;
   for (const std::uint64_t target : targets) {
     SCOPED_TRACE(name + " " + std::to_string(target));
@@ -353,6 +383,12 @@ void expect_same(const Scene& scene, const PipelineOptions& base, const Temporar
     EXPECT_EQ(got.river_edges, expected.rivers);
     EXPECT_EQ(got.invalid_river_edges, expected.invalid);
     EXPECT_TRUE(got.ok);
+    const auto rivers = nlohmann::json::parse(testing::bytes_of(options.output.dir + "/report.json")).at("rivers");
+    EXPECT_EQ(rivers.at("all").at("wrong_flow_after"), expected.wrong_flow);
+    EXPECT_EQ(rivers.at("all").at("not_valley_after"), expected.not_valley);
+    EXPECT_EQ(rivers.at("all").at("flat_after"), expected.flat);
+    EXPECT_EQ(rivers.at("all").at("leak_vertices_after"), expected.leaks);
+    EXPECT_EQ(rivers.at("slopes_beyond_limit_by_pits"), expected.beyond);
     expect_checked(options.output.dir, expected.rivers, expected.invalid);
   }
 }
@@ -479,7 +515,7 @@ TEST(TiledRivers, LeastChangeKeepsRivers) {
 TEST(TiledRivers, RiversMayEndAtVoids) {
   const TemporaryFolder folder;
   std::uint64_t edges = 0;
-  for (std::uint64_t seed = 20; seed < 26; ++seed) {
+  for (std::uint64_t seed = 20; seed < 24; ++seed) {
     SCOPED_TRACE(seed);
     const Scene scene = make_void(folder, seed, 3'000);
     std::string fingerprint;
@@ -500,7 +536,7 @@ TEST(TiledRivers, RiversMayEndAtVoids) {
       edges += got.river_edges;
     }
   }
-  EXPECT_GT(edges, 100U);
+  EXPECT_GT(edges, 60U);
 }
 
 TEST(TiledRivers, JobArraysGiveTheSame) {

@@ -17,7 +17,6 @@ class LayerWriter {
         network_(rivers_.network),
         input_(*context.river_input),
         figures_(figures),
-        constraints_(context.options.rivers.constraints),
         lattice_(context.plan.lattice),
         file_(file) {}
 
@@ -38,8 +37,10 @@ class LayerWriter {
       edge.before = states[e].before;
       edge.is_valid = !std::binary_search(figures_.invalid.begin(), figures_.invalid.end(),
                                           std::pair(network_.point[from], network_.point[to]));
-      edge.after = {high < low, states[e].after.not_valley, high == low};
-      if (!edge.is_valid && !(constraints_.flow && edge.after.wrong_flow)) edge.after.not_valley = true;
+      edge.after = {high < low,
+                    std::binary_search(figures_.no_valley.begin(), figures_.no_valley.end(),
+                                       std::pair(network_.point[from], network_.point[to])),
+                    high == low};
       layer.add(edge);
     }
   }
@@ -146,7 +147,6 @@ class LayerWriter {
   const RiverNetwork& network_;
   const RiverInput& input_;
   const RiverFigures& figures_;
-  const RiverConstraints& constraints_;
   const Lattice& lattice_;
   GeoPackageWriter& file_;
 };

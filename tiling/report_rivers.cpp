@@ -8,6 +8,7 @@
 #include <ostream>
 
 #include "hydrotin/profile_svg.h"
+#include "hydrotin/river_statistics.h"
 #include "river_input.h"
 
 namespace hydrotin {
@@ -46,7 +47,10 @@ void read_files(const RunContext& context, RiverFigures& out) {
   for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t) {
     const store::Reader in(context.layout.terrain(t));
     const auto edge = in.read<std::uint32_t>("river_edge"), invalid = in.read<std::uint32_t>("invalid_river_edge");
-    if (edge.empty()) continue;
+    out.slopes_beyond_limit += static_cast<std::uint64_t>(in.integer("slopes_beyond_limit"));
+    const auto source = in.read<std::uint32_t>("river_source");
+    const auto steepest = in.read<double>("steepest_way");
+    if (edge.empty() && source.empty()) continue;
     const auto height = in.read<std::int32_t>("height"), foreign_height = in.read<std::int32_t>("foreign_height");
     const auto foreign = in.read<std::uint64_t>("foreign_point");
     const auto check = [&](std::uint32_t v) {
@@ -61,14 +65,63 @@ void read_files(const RunContext& context, RiverFigures& out) {
       check(v);
       out.height[id(v)] = v < height.size() ? height[v] : foreign_height[v - height.size()];
     }
-    for (std::size_t i = 0; i + 1 < invalid.size(); i += 2) {
-      check(invalid[i]);
-      check(invalid[i + 1]);
-      out.invalid.emplace_back(id(invalid[i]), id(invalid[i + 1]));
+    const auto take = [&](const std::vector<std::uint32_t>& flat, RiverFigures::Edges& edges) {
+      for (std::size_t i = 0; i + 1 < flat.size(); i += 2) {
+        check(flat[i]);
+        check(flat[i + 1]);
+        edges.emplace_back(id(flat[i]), id(flat[i + 1]));
+      }
+    };
+    take(invalid, out.invalid);
+    take(in.read<std::uint32_t>("no_valley_edge"), out.no_valley);
+    for (std::size_t i = 0; i < source.size() && i < steepest.size(); ++i) {
+      check(source[i]);
+      double& most = out.steepest.emplace(id(source[i]), steepest[i]).first->second;
+      most = std::max(most, steepest[i]);
     }
   }
-  std::sort(out.invalid.begin(), out.invalid.end());
-  out.invalid.erase(std::unique(out.invalid.begin(), out.invalid.end()), out.invalid.end());
+  for (RiverFigures::Edges* edges : {&out.invalid, &out.no_valley}) {
+    std::sort(edges->begin(), edges->end());
+    edges->erase(std::unique(edges->begin(), edges->end()), edges->end());
+  }
+}
+
+// The states of the tables after everything, from what the files say.
+void count_final_states(const RunContext& context, RiverFigures& out) {
+  const EmbeddedRivers& rivers = *context.rivers;
+  const RiverNetwork& network = rivers.network;
+  const Lattice& l = context.plan.lattice;
+  for (RiverRow& row : out.row)
+    row.drop_after = 0, row.wrong_flow_after = row.not_valley_after = row.flat_after = row.leaks_after = 0;
+  struct Source {
+    std::uint32_t river = 0;
+    double steepest = -HUGE_VAL, shortest = HUGE_VAL;
+  };
+  std::unordered_map<std::uint64_t, Source> sources;
+  for (std::size_t e = 0; e < network.river.size(); ++e) {
+    const auto [from, to] = network.river[e];
+    const std::uint32_t river = out.names.river[e];
+    const double drop = final_height(rivers, out, from) * l.scale_z - final_height(rivers, out, to) * l.scale_z;
+    RiverRow& row = out.row[river];
+    row.drop_after += drop;
+    row.wrong_flow_after += drop < 0 ? 1 : 0;
+    row.flat_after += drop == 0 ? 1 : 0;
+    row.not_valley_after += std::binary_search(out.no_valley.begin(), out.no_valley.end(),
+                                               std::pair(network.point[from], network.point[to]))
+                                ? 1
+                                : 0;
+    const double length = std::hypot(network.position[to].x * l.scale_xy - network.position[from].x * l.scale_xy,
+                                     network.position[to].y * l.scale_xy - network.position[from].y * l.scale_xy);
+    Source& source = sources.emplace(network.point[from], Source{river}).first->second;
+    source.river = std::min(source.river, river);
+    source.steepest = std::max(source.steepest, drop / length);
+    source.shortest = std::min(source.shortest, length);
+  }
+  for (const auto& [point, source] : sources) {
+    const auto way = out.steepest.find(point);
+    if (way != out.steepest.end() && is_leak(way->second, source.steepest, source.shortest, 0))
+      ++out.row[source.river].leaks_after;
+  }
 }
 
 }  // namespace
@@ -171,6 +224,7 @@ RiverFigures collect_river_figures(const RunContext& context) {
       add(out.row[share.river], share.row);
     }
   }
+  count_final_states(context, out);
   out.order.resize(out.row.size());
   std::iota(out.order.begin(), out.order.end(), 0u);
   std::stable_sort(out.order.begin(), out.order.end(),
@@ -220,6 +274,7 @@ std::string rivers_json(const RunContext& context, const RiverFigures& f) {
                             {"vertices_added", context.rivers->network.num_new},
                             {"vertices_moved", f.moved},
                             {"river_vertices_moved_by_pits", f.raised},
+                            {"slopes_beyond_limit_by_pits", f.slopes_beyond_limit},
                             {"objective", f.total},
                             {"bound", f.bound},
                             {"optimal", f.optimal},
@@ -257,6 +312,7 @@ void write_text(const RunContext& context, const RiverFigures& f, std::ostream& 
   row("  vertices moved", f.moved);
   row("  total change", f.total);
   row("  largest change", f.largest);
+  row("  slopes beyond the limit by pit removal", f.slopes_beyond_limit);
   row("  optimal", f.optimal ? "yes" : "no");
   if (context.options.rivers.time_limit > 0)
     row("  time limit", std::to_string(context.options.rivers.time_limit) + " s a group" +

@@ -16,7 +16,10 @@
 namespace hydrotin {
 
 struct RiverFigures {
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> invalid;  ///< river edges in the final heights, ascending
+  using Edges = std::vector<std::pair<std::uint64_t, std::uint64_t>>;
+  Edges invalid, no_valley;                            ///< river edges in the final heights, ascending
+  std::unordered_map<std::uint64_t, double> steepest;  ///< way down in the final heights, of river vertices by point
+  std::uint64_t slopes_beyond_limit = 0;               ///< edges that pit removal changed beyond the limit
   std::uint64_t edges = 0, chain_edges = 0, lakes = 0, groups = 0, solved_together = 0;
   std::unordered_map<std::uint64_t, std::int32_t> height;  ///< final, of river vertices by point; lattice
   std::uint64_t raised = 0;                                ///< river vertices that the step against pits moved
@@ -25,7 +28,7 @@ struct RiverFigures {
   double total = 0, largest = 0, bound = 0;  ///< change of heights, in their unit
   bool optimal = true;
   RiverNames names;
-  std::vector<RiverRow> row;         ///< [rivers]
+  std::vector<RiverRow> row;         ///< [rivers] states after: in the end; vertices moved, and how far: by the rivers
   std::vector<std::uint32_t> order;  ///< rivers, longest first
 };
 

@@ -718,6 +718,31 @@ TEST(TiledRivers, LinesDrawnUpstreamOnARealDem) {
   EXPECT_EQ(rivers.at("optimal"), true);
 }
 
+TEST(TiledRivers, MemoryIsAskedForBeforeTheLongWork) {
+  HYDROTIN_REQUIRE_SHARED_DATA();
+  const TemporaryFolder folder;
+  PipelineOptions options = testing::options_for({}, folder / "out");
+  options.input.dem = {testing::shared_path("dem_rivers_nc/elev_ned_30m.tif")};
+  options.rivers.lines = testing::shared_path("dem_rivers_nc/streams.shp");
+  options.tiles.target_points = 30'000;
+  options.run.memory_bytes = std::uint64_t{64} << 20;
+  // 24,005 river edges on 371,000 triangles in the end.
+  const PlanSummary plan = plan_run(options);
+  EXPECT_NEAR(static_cast<double>(plan.river_edges), 24'005, 2'500);
+  EXPECT_NEAR(static_cast<double>(plan.river_bytes), 371'000 * 400.0, 371'000 * 80.0);
+  EXPECT_GE(plan.memory_bytes, plan.river_bytes);
+  const std::string text = testing::error_of([&] { (void)run(options); }, ErrorKind::resource);
+  EXPECT_NE(text.find("streams.shp: about 24"), std::string::npos) << text;
+  EXPECT_NE(text.find("bytes an edge), but run.memory is 64 MiB"), std::string::npos) << text;
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/work/triangulate"));
+  testing::Silent silent;
+  EXPECT_NE(
+      testing::error_of([&] { run_phase(options, Phase::outline, 0, 1, silent); }, ErrorKind::resource).find("24"),
+      std::string::npos);
+  options.rivers = {};
+  EXPECT_EQ(plan_run(options).river_bytes, 0U);
+}
+
 TEST(TiledRivers, BadInputsAreNamed) {
   const TemporaryFolder folder;
   Scene scene = make_scene(folder, 3, 2'000, false);

@@ -18,19 +18,6 @@ namespace {
 
 using Corners = std::array<std::uint32_t, 3>;
 
-// The box of the data and as much again around it: where lines have a say.
-LatticeBox reach_of(const LatticeBox& box) {
-  const auto wide = [](std::int32_t low, std::int32_t high) {
-    const std::int64_t size = std::int64_t{high} - low + 1;
-    constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max() - 1;
-    return std::pair(static_cast<std::int32_t>(std::max(low - size, -kMost)),
-                     static_cast<std::int32_t>(std::min(high + size, kMost)));
-  };
-  const auto [west, east] = wide(box.min.x, box.max.x);
-  const auto [south, north] = wide(box.min.y, box.max.y);
-  return {{west, south}, {east, north}};
-}
-
 Corners canonical(Corners t) {
   std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
   return t;
@@ -430,30 +417,6 @@ class WindowMatch {
   RiverNetwork out_;
 };
 
-// The boxes of polygons on the lattice, a unit wider.
-void add_lakes(const RunContext& context, CellSet& cells) {
-  const RiverInput& input = *context.river_input;
-  const Lattice& l = context.plan.lattice;
-  const LatticeBox reach = reach_of(context.outline.bounds());
-  const auto at = [&](double x, double offset, std::int64_t base, std::int32_t low, std::int32_t high) {
-    const double unit = (x - offset) / l.scale_xy - static_cast<double>(base);
-    return std::clamp(unit, static_cast<double>(low), static_cast<double>(high));
-  };
-  for (std::size_t i = 0; i < input.lakes.size(); ++i) {
-    LatticeBox box;
-    for (std::size_t r = input.lakes.ring_begin[i]; r < input.lakes.ring_begin[i + 1]; ++r)
-      for (const auto& p : input.lakes.ring(r)) {
-        const double x = at(p[0], l.offset_x, l.base_x, reach.min.x + 1, reach.max.x - 1);
-        const double y = at(p[1], l.offset_y, l.base_y, reach.min.y + 1, reach.max.y - 1);
-        box.extend(
-            LatticePoint{static_cast<std::int32_t>(std::floor(x)) - 1, static_cast<std::int32_t>(std::floor(y)) - 1});
-        box.extend(
-            LatticePoint{static_cast<std::int32_t>(std::ceil(x)) + 1, static_cast<std::int32_t>(std::ceil(y)) + 1});
-      }
-    if (!box.is_empty()) cells.add_box(box);
-  }
-}
-
 }  // namespace
 
 void match_rivers(const RunContext& context) {
@@ -461,13 +424,8 @@ void match_rivers(const RunContext& context) {
       lines_on_lattice(*context.river_input, context.plan.lattice, reach_of(context.outline.bounds()));
   std::vector<LatticeBox> bounds = bounds_of_laid(context);
   const WindowReader reader(context, bounds, nullptr);
-  CellSet cells(context);
-  for (std::size_t i = 0; i < lines.size(); ++i)
-    for (std::size_t p = 1; p < lines.line(i).size(); ++p) cells.add_segment(lines.line(i)[p - 1], lines.line(i)[p]);
-  add_lakes(context, cells);
-  for (const PreservedSegment& s :
-       preserved_segments(*context.river_input, context.plan.lattice, context.outline.bounds()))
-    cells.add_segment(s.a, s.b);
+  CellSet cells(context.outline);
+  add_river_cells(context, lines, context.outline.bounds(), cells);
   for (std::int32_t rings = 1;; rings *= 2) {
     const RiverWindow window = reader.read(cells.grid(), cells.cells());
     WindowMatch match(context, window, lines);

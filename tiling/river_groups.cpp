@@ -183,7 +183,7 @@ bool GroupSolver::preserve_near(const RiverWindow& window, std::span<const std::
 }
 
 GroupSolution GroupSolver::solve(std::vector<std::uint32_t> group) const {
-  CellSet cells(context_);
+  CellSet cells(context_.outline);
   cells.grow(network_.position, vertices_of(group), 1);
   std::vector<PointEdge> preserved;
   const auto start = std::chrono::steady_clock::now();

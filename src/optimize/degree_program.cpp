@@ -22,7 +22,7 @@ struct DegreeRule {
   std::uint32_t most;
 
   [[nodiscard]] Cell empty() const { return Cell(most + 1); }
-  [[nodiscard]] Cell boundary(std::uint32_t) const { return Cell(most + 1, Entry{0, kNoEdge, {}}); }
+  [[nodiscard]] Cell boundary() const { return Cell(most + 1, Entry{0, kNoEdge, {}}); }
   [[nodiscard]] std::uint32_t base(std::uint32_t v) const {
     return graph.problem().base_degree.empty() ? 0 : graph.problem().base_degree[v];
   }

@@ -6,6 +6,11 @@
 #include <utility>
 
 namespace hydrotin {
+namespace {
+
+constexpr std::size_t kLarge = 4096;  // vertices; beyond it places for edges are made as they are needed
+
+}  // namespace
 
 // Where the edge stands, or the free place where it would. Vertices near each other have numbers near each other, so
 // that a linear hash keeps the table's places for a region together; the edges of one vertex are spread evenly.
@@ -93,7 +98,8 @@ void PolygonGraph::build(const PolygonProblem& problem) {
   options_.resize(3 * std::size_t{num_triangles()});
   foreign_.resize(num_triangles());
   const auto num_delaunay = static_cast<std::uint32_t>(problem.delaunay.size());
-  make_slots(std::max<std::size_t>(16, 16 * problem.position.size()));
+  const std::size_t n = problem.position.size();
+  make_slots(n > kLarge ? 8 * n : std::max<std::size_t>(16, 16 * n));
   for (std::uint32_t t = 0; t < num_delaunay; ++t) add_triangle(t, true);
   for (std::uint32_t t = num_delaunay; t < num_triangles(); ++t) add_triangle(t, false);
   for_sides([&](std::uint32_t a, std::uint32_t b) { edges_[twin(find_or_add(a, b))].is_boundary = true; });

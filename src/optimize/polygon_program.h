@@ -11,7 +11,7 @@
 /// A rule has
 ///   Cell                     what is stored for a directed edge: the best ways to triangulate its left side
 ///   Entry                    one such way: `option` (kNoEdge: none) and the `child_state` of both children
-///   empty(), boundary(e)     the cell of an edge before any option, and of one whose left side is outside
+///   empty(), boundary()      the cell of an edge before any option, and of one whose left side is outside
 ///   improve(cell, o, l, r)   takes option o into account, whose children have the cells l and r
 ///   best_state(cell)         the entry that the answer of the whole polygon starts from, or -1
 /// `Ways` says how the components inside are tied to the boundary, and with that which cells there are:
@@ -48,47 +48,43 @@ class OneWay {
   const std::vector<std::uint8_t>& closed_;
 };
 
-template <class Rule, class Ways = OneWay>
+template <class Rule>
 class PolygonProgram {
  public:
   /// Solves the polygon; false if no triangulation avoids the blocked triangles.
+  template <class Ways>
   bool run(const Rule& rule, const PolygonGraph& graph, const Ways& ways, const std::vector<std::uint8_t>& blocked) {
     graph_ = &graph;
-    state_.assign(ways.num_cells(), kOpen);
-    cell_.resize(ways.num_cells());
+    place_.assign(ways.num_cells(), kOpen);
+    cell_.clear();
+    cell_.reserve(ways.num_cells() / 2 + 1);  // of an edge and its twin one is asked for
+    cell_.push_back(rule.boundary());
     root_ = ways.chord(graph.root());
     stack_.assign(1, root_);
     while (!stack_.empty()) {
       const std::uint32_t c = stack_.back();
-      if (state_[c] == kDone) {
-        stack_.pop_back();
-      } else if (state_[c] == kOpen && !ways.is_end(c)) {
-        state_[c] = kEntered;
-        for_options(ways, c, blocked, [&](const Option& option, std::uint32_t, std::uint32_t way) {
-          const auto [left, right] = ways.children(c, option, way);
-          if (state_[left] == kOpen) stack_.push_back(left);
-          if (state_[right] == kOpen) stack_.push_back(right);
-        });
-      } else {
-        solve(rule, ways, c, blocked);
-        state_[c] = kDone;
-        stack_.pop_back();
+      if (place_[c] == kOpen) {
+        place_[c] = kEntered;
+        push_children(ways, c, blocked);
+        continue;
       }
+      stack_.pop_back();
+      if (place_[c] == kEntered) solve(rule, ways, c, blocked);
     }
     return rule.best_state(root_cell()) >= 0;
   }
 
-  [[nodiscard]] const typename Rule::Cell& root_cell() const { return cell_[root_]; }
+  [[nodiscard]] const typename Rule::Cell& root_cell() const { return cell_[place_[root_]]; }
 
   /// Calls visit(o, entry) for the options of the answer and their entries. `ways` are those of the run.
-  template <class Visit>
+  template <class Ways, class Visit>
   void read_back(const Rule& rule, const Ways& ways, Visit visit) {
     trail_.assign(1, {root_, rule.best_state(root_cell())});
     while (!trail_.empty()) {
       const auto [c, state] = trail_.back();
       trail_.pop_back();
       if (ways.is_end(c)) continue;
-      const auto& entry = cell_[c][static_cast<std::size_t>(state)];
+      const auto& entry = cell_[place_[c]][static_cast<std::size_t>(state)];
       const Option& option = graph_->option(entry.option);
       std::uint32_t way = 0;
       if constexpr (Ways::kMany) way = entry.way;
@@ -100,9 +96,26 @@ class PolygonProgram {
   }
 
  private:
-  static constexpr std::uint8_t kOpen = 0, kEntered = 1, kDone = 2;
+  static constexpr std::uint32_t kOpen = static_cast<std::uint32_t>(-1), kEntered = kOpen - 1;
+  static constexpr std::uint32_t kEnd = 0;  // all ends share a cell
 
-  template <class Visit>
+  template <class Ways>
+  void push_children(const Ways& ways, std::uint32_t c, const std::vector<std::uint8_t>& blocked) {
+    const auto push = [&](std::uint32_t child) {
+      if (place_[child] != kOpen) return;
+      if (ways.is_end(child))
+        place_[child] = kEnd;
+      else
+        stack_.push_back(child);
+    };
+    for_options(ways, c, blocked, [&](const Option& option, std::uint32_t, std::uint32_t way) {
+      const auto [left, right] = ways.children(c, option, way);
+      push(left);
+      push(right);
+    });
+  }
+
+  template <class Ways, class Visit>
   void for_options(const Ways& ways, std::uint32_t c, const std::vector<std::uint8_t>& blocked, Visit visit) const {
     for (std::uint32_t o = graph_->edge(ways.edge_of(c)).first_option; o != kNoEdge; o = graph_->option(o).next) {
       const Option& option = graph_->option(o);
@@ -110,27 +123,25 @@ class PolygonProgram {
     }
   }
 
+  template <class Ways>
   void solve(const Rule& rule, const Ways& ways, std::uint32_t c, const std::vector<std::uint8_t>& blocked) {
-    if (ways.is_end(c)) {
-      cell_[c] = rule.boundary(ways.edge_of(c));
-      return;
-    }
     typename Rule::Cell cell = rule.empty();
     for_options(ways, c, blocked, [&](const Option& option, std::uint32_t o, std::uint32_t way) {
       const auto [left, right] = ways.children(c, option, way);
       // A child still being solved would close a cycle around a component that no tie reaches.
-      if (state_[left] != kDone || state_[right] != kDone) return;
+      if (place_[left] >= kEntered || place_[right] >= kEntered) return;
       if constexpr (Ways::kMany)
-        rule.improve(cell, o, cell_[left], cell_[right], way);
+        rule.improve(cell, o, cell_[place_[left]], cell_[place_[right]], way);
       else
-        rule.improve(cell, o, cell_[left], cell_[right]);
+        rule.improve(cell, o, cell_[place_[left]], cell_[place_[right]]);
     });
-    cell_[c] = std::move(cell);
+    place_[c] = static_cast<std::uint32_t>(cell_.size());
+    cell_.push_back(std::move(cell));
   }
 
   const PolygonGraph* graph_ = nullptr;
   std::uint32_t root_ = 0;
-  std::vector<std::uint8_t> state_;
+  std::vector<std::uint32_t> place_;  // [cells] in `cell_`, in the order in which they were solved
   std::vector<typename Rule::Cell> cell_;
   std::vector<std::uint32_t> stack_;
   std::vector<std::pair<std::uint32_t, int>> trail_;

@@ -23,7 +23,6 @@ struct PolygonSearch::Programs {
   struct One {
     using Rule = SumRule<Scalar, Slots, States>;
     PolygonProgram<Rule> program;
-    PolygonProgram<Rule, TieWays> tied_program;
 
     [[nodiscard]] static Rule rule(const PolygonGraph& graph, const PolygonCosts& costs,
                                    std::span<const std::uint8_t> wishes) {
@@ -84,11 +83,11 @@ bool PolygonSearch::is_packable(const PolygonCosts& costs) const {
          graph_->num_triangles() < Programs::Packed::Rule::kMostPacked;
 }
 
-// Calls run(programs, rule) with those that fit the costs.
+// Calls run(program, rule) with those that fit the costs.
 template <class Run>
-bool PolygonSearch::with_programs(const PolygonCosts& costs, std::span<const std::uint8_t> wishes, Run run) {
+bool PolygonSearch::with_program(const PolygonCosts& costs, std::span<const std::uint8_t> wishes, Run run) {
   Programs& p = *programs_of_;
-  const auto with = [&](auto& one) { return run(one, one.rule(*graph_, costs, wishes)); };
+  const auto with = [&](auto& one) { return run(one.program, one.rule(*graph_, costs, wishes)); };
   if (costs.minima_slot < 0)
     return costs.num_slots == 1   ? with(p.sum1)
            : costs.num_slots == 2 ? with(p.sum2)
@@ -107,8 +106,8 @@ bool PolygonSearch::run_counted(const PolygonCosts& costs, std::span<const std::
   const auto count = [&](std::uint32_t v) {
     if (++count_[v] == 2) out.counted_twice.push_back(v);
   };
-  const bool solved = with_programs(costs, wishes, [&](auto& programs, const auto& rule) {
-    const auto with = [&](auto& program, const auto& ways) {
+  const bool solved = with_program(costs, wishes, [&](auto& program, const auto& rule) {
+    const auto in_ways = [&](const auto& ways) {
       if (!program.run(rule, *graph_, ways, blocked)) return false;
       program.read_back(rule, ways, [&](std::uint32_t o, const auto& entry) {
         const Option& option = graph_->option(o);
@@ -119,13 +118,19 @@ bool PolygonSearch::run_counted(const PolygonCosts& costs, std::span<const std::
       out.claimed = rule.best_value(program.root_cell());
       return true;
     };
-    if (graph_->problem().components > 0) return with(programs.tied_program, ways_);
+    if (graph_->problem().components > 0) return in_ways(ways_);
     closed_.assign(graph_->num_edges(), 0);
-    return with(programs.program, OneWay(*graph_, closed_));
+    return in_ways(OneWay(*graph_, closed_));
   });
   if (!solved || out.answer.triangle.size() != size_) return false;
   out.answer.value = value_of(*graph_, costs, out.answer.triangle);
   return true;
+}
+
+bool PolygonSearch::serves_all(const PolygonAnswer& answer) const {
+  Wide all = 0;
+  for (const std::uint8_t wish : graph_->problem().wants_lower) all += PolygonCosts::kGain[wish];
+  return answer.value[0] == -all;
 }
 
 bool PolygonSearch::run_program(const PolygonCosts& costs, const std::vector<std::uint8_t>& blocked,
@@ -134,7 +139,8 @@ bool PolygonSearch::run_program(const PolygonCosts& costs, const std::vector<std
   CountedAnswer& root = counted_;
   if (!run_counted(costs, wishes, blocked, root)) return false;
   std::swap(best, root.answer);
-  if (costs.minima_slot < 0 || best.value == root.claimed) return true;  // nothing can be better
+  // Nothing can be better, or nothing can serve more.
+  if (costs.minima_slot < 0 || best.value == root.claimed || (costs.counts_foreign && serves_all(best))) return true;
   const auto program = [&](std::span<const std::uint8_t> other_wishes, const std::vector<std::uint8_t>& other_blocked,
                            CountedAnswer& out) { return run_counted(costs, other_wishes, other_blocked, out); };
   if (resolve_double_counts(*graph_, costs, blocked, program, options_->budget.max_branches, root, best)) return true;

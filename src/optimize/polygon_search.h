@@ -67,10 +67,11 @@ class PolygonSearch {
   bool run_program(const PolygonCosts& costs, const std::vector<std::uint8_t>& blocked, PolygonAnswer& best);
   bool run_counted(const PolygonCosts& costs, std::span<const std::uint8_t> wishes,
                    const std::vector<std::uint8_t>& blocked, CountedAnswer& out);
+  [[nodiscard]] bool serves_all(const PolygonAnswer& answer) const;
   bool run_linear(const PolygonCosts& costs, const std::vector<std::uint8_t>& blocked, PolygonAnswer& best);
   [[nodiscard]] bool is_packable(const PolygonCosts& costs) const;
   template <class Run>
-  bool with_programs(const PolygonCosts& costs, std::span<const std::uint8_t> wishes, Run run);
+  bool with_program(const PolygonCosts& costs, std::span<const std::uint8_t> wishes, Run run);
 
   const PolygonGraph* graph_ = nullptr;
   const PolygonOptions* options_ = nullptr;

@@ -71,7 +71,7 @@ struct QuadrilateralProgram::Rule {
   bool by_limit = false;                                   // the second pass of a bottleneck
 
   [[nodiscard]] static Cell empty() { return {}; }
-  [[nodiscard]] static Cell boundary(std::uint32_t) { return {}; }
+  [[nodiscard]] static Cell boundary() { return {}; }
   [[nodiscard]] static int best_state(const Cell&) { return 0; }
 
   [[nodiscard]] Value combine(Value a, Value b, double score) const {

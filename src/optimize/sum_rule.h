@@ -47,7 +47,7 @@ struct SumRule {
   int gain_slot = 0;
 
   [[nodiscard]] static Cell empty() { return {}; }
-  [[nodiscard]] static Cell boundary(std::uint32_t) {
+  [[nodiscard]] static Cell boundary() {
     Cell cell{};
     cell[0].option = kNoEdge;
     return cell;

@@ -25,7 +25,8 @@
 /// Properties
 ///   (1) The answer depends on coordinates and heights only, never on the numbering of vertices or triangles: the
 ///       recursion starts at the smallest boundary edge, and equal values are decided first for more Delaunay edges,
-///       then for the apex that comes first in (x, y). (Where flips serve all, the first such answer is taken.)
+///       then for the apex that comes first in (x, y). (Where flips serve all, or a program that
+///       counted a vertex twice, the first such answer is taken.)
 ///   (2) The answer is never worse than the Delaunay triangulation of the polygon, if that is admissible.
 ///   (3) `optimal` is claimed only if the whole class was searched, or a bound is met.
 /// Complexity: O((T + C) ways) time, O(T + C) memory, ways = those of a component; a bottleneck adds a factor log C, a

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "breacher.h"
+#include "hydrotin/group_cut.h"
 #include "hydrotin/lake_breaches.h"
 
 namespace hydrotin {
@@ -286,6 +287,12 @@ PitComponents find_pit_components(const ChangeableTerrain& terrain, MemberReach 
     filled.is_outlet = is_outlet;
   }
   (void)add_flats_without_descent(filled, result.level, {}, is_member);
+  if (reach != MemberReach::lifted) {
+    LatticeBox bounds;
+    for (const LatticePoint p : terrain.position) bounds.extend(p);
+    result.num_cut =
+        cut_large_groups(filled, result.level, cut_grid(bounds, terrain.position.size()), limits.max_group, is_member);
+  }
   collect_components(filled, is_member, lakes.take_pits(), result);
   return result;
 }

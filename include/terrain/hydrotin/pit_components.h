@@ -50,6 +50,7 @@ struct BreachLimits {
       std::numeric_limits<double>::infinity();   ///< horizontally, from the pit to the goal [lattice units]
   std::uint64_t max_visits = ~std::uint64_t{0};  ///< vertices cheaper to reach than the goal
   std::uint64_t max_lake = ~std::uint64_t{0};    ///< vertices of a lake; larger ones are filled (see PitComponents)
+  std::uint64_t max_group = ~std::uint64_t{0};   ///< members of a component; larger ones are cut (see group_cut.h)
 };
 
 /// The terrain and what may be done to it. Spans may be empty where noted.
@@ -102,6 +103,7 @@ struct PitComponents {
   std::int64_t dearest_breach = 0;       ///< cost of the dearest of the breaches by themselves
   std::uint64_t num_unfinished = 0;      ///< pits whose search was ended by `max_visits`
   std::uint64_t num_unbreached = 0;      ///< of these, pits without a breach within the limits
+  std::uint64_t num_cut = 0;             ///< components that were cut before (group_cut.h)
   std::vector<std::uint32_t> pit_begin;  ///< [C + 1] pits of component i: pit[pit_begin[i] .. pit_begin[i + 1])
   std::vector<std::uint32_t> pit;        ///< smallest vertices of plateaus by (x, y), ascending by (height, x, y)
   std::vector<std::uint32_t> filled;     ///< vertices of filled lakes; their pits are not in the lists

@@ -73,12 +73,18 @@ Ids merge_tree(const VertexGraph& graph, Basins basins, std::span<const std::uin
   const std::uint32_t n = graph.num_vertices();
   const auto rank_at = [n](std::uint32_t i) { return kUp ? i : n - 1 - i; };
   Ids& parent = basins.parent;
-  Ids next(n, kNoVertex), last(n);                             // last: rank of the last vertex of a set, at its root
-  constexpr std::uint32_t kFetchVertex = 32, kFetchRoot = 16;  // visits ahead
+  Ids next(n, kNoVertex), last(n);  // last: rank of the last vertex of a set, at its root
+  constexpr std::uint32_t kFetchVertex = 32, kFetchRoot = 16, kFetchNeighbors = 6;  // visits ahead
   for (std::uint32_t i = 0; i < n; ++i) {
     if (i + kFetchVertex < n) {  // neighbours in height are far from each other in memory, but known ahead
       __builtin_prefetch(&parent[ascending[rank_at(i + kFetchVertex)]]);
       __builtin_prefetch(&last[parent[ascending[rank_at(i + kFetchRoot)]]]);
+      __builtin_prefetch(&graph.begin[ascending[rank_at(i + kFetchVertex)]]);
+      const std::uint32_t near = ascending[rank_at(i + kFetchRoot)], nearer = ascending[rank_at(i + kFetchNeighbors)];
+      if (basins.may_join[near]) __builtin_prefetch(graph.neighbors(near).data());
+      if (basins.may_join[nearer])
+        for (const std::uint32_t w : graph.neighbors(nearer))
+          __builtin_prefetch(&rank[w]), __builtin_prefetch(&parent[w]);
     }
     const std::uint32_t own = rank_at(i), v = ascending[own];
     const std::uint32_t root = find(parent, v);

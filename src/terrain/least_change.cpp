@@ -14,9 +14,9 @@
 namespace hydrotin {
 namespace {
 
-constexpr std::uint32_t kFewMembers = 100;      // below: every way of breaching is tried
-constexpr std::uint32_t kManyMembers = 10'000;  // above: with limited searches, only the breaches that are known
-constexpr std::int64_t kSmallGain = 20;         // and no round after one that gains less than this part of the cost
+constexpr std::uint32_t kFewMembers = 100;     // below: every way of breaching is tried
+constexpr std::uint32_t kManyMembers = 1'000;  // above: with limited searches, only the breaches that are known
+constexpr std::int64_t kSmallGain = 20;        // and no round after one that gains less than this part of the cost
 
 /// A surface that drains, and the forest along which it was made, if it was made along one.
 struct Start {

@@ -115,6 +115,7 @@ pits:
   max_breach_length_m: 40.5
   max_breach_depth_m: 3
   largest_lake: 20000
+  largest_group: 3000
   keep: {deeper_than_m: 2.5, larger_than_m2: 800, volume_above_m3: 12, inside: ponds.gpkg, ids: [4, 7], combine: and}
   outlets: sea.gpkg
   voids_drain: true
@@ -126,6 +127,7 @@ pits:
   EXPECT_EQ(pits.max_breach_length_m, 40.5);
   EXPECT_EQ(pits.max_breach_depth_m, 3);
   EXPECT_EQ(pits.largest_lake, 20'000U);
+  EXPECT_EQ(pits.largest_group, 3'000U);
   EXPECT_EQ(pits.keep.deeper_than_m, 2.5);
   EXPECT_EQ(pits.keep.larger_than_m2, 800);
   EXPECT_EQ(pits.keep.volume_above_m3, 12);

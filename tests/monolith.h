@@ -78,6 +78,7 @@ inline Monolith run_monolith(const std::vector<LatticePoint>& position, const st
   RemovalOptions removal;
   removal.limits.max_visits = kScalableVisits;
   removal.limits.max_lake = PitOptions{}.largest_lake;
+  removal.limits.max_group = PitOptions{}.largest_group;
   const std::vector<std::int32_t> level = remove_pits({&graph, z, p, outlet, {}, {}, {}}, removal).height;
   Fingerprint fingerprint;
   for (const auto& t : triangulation.triangles)

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <numeric>
 
 #include "grid_terrain.h"
+#include "hydrotin/group_cut.h"
 #include "hydrotin/lake_bound.h"
 #include "hydrotin/lifting.h"
 #include "oracle/removal_oracle.h"
@@ -406,6 +409,38 @@ TEST(PitRemoval, LimitedSearchesOpenTheRimOfDeepLakes) {
 }
 
 // Deep lakes with searches that end early: still no pit, still the same in every numbering, still never above lifting.
+// A lake whose bottom lies below all outlets, so that no breach empties it. Two gorges lead away from its saddle: the
+// steeper one to a high outlet, the other to the lowest. Deepening that one to its outlet and raising the lake as far
+// is a surface that drains: limited searches find none dearer.
+TEST(PitRemoval, LimitedSearchesDeepenTheWayOutOfLakesBelowAllOutlets) {
+  GridTerrain grid = make_grid(1, 40, 24, 100, 20);
+  grid.height.assign(grid.num_vertices(), 2000);
+  std::int64_t lifted = 0, deepened = 0;  // displacements
+  for (std::uint32_t y = 3; y < 21; ++y)
+    for (std::uint32_t x = 3; x < 21; ++x) {
+      const auto depth = static_cast<std::int32_t>((7 * x + 3 * y) % 5);
+      grid.height[grid.at[y * 40 + x]] = 5 - depth;
+      lifted += 995 + depth, deepened += 481 + depth;
+    }
+  for (std::uint32_t x = 21; x < 40; ++x) {
+    const std::int32_t z = x == 21 ? 1000 : static_cast<std::int32_t>(1383 - 23 * x);
+    grid.height[grid.at[12 * 40 + x]] = z;
+    deepened += z - 486;
+  }
+  for (std::uint32_t y = 0; y < 12; ++y) grid.height[grid.at[y * 40 + 22]] = static_cast<std::int32_t>(700 + 10 * y);
+  const Sample s = sample_of(grid, testing::hull_flags(grid));
+  RemovalOptions options;
+  options.limits.max_visits = 20;
+  options.method = RemovalMethod::lift;
+  EXPECT_GE(remove_pits(s.view(ChangeMeasure::total), options).cost, lifted);
+  for (const RemovalMethod method : {RemovalMethod::breach, RemovalMethod::least_change}) {
+    options.method = method;
+    const Removal removal = remove_pits(s.view(ChangeMeasure::total), options);
+    EXPECT_LE(removal.cost, deepened);
+    EXPECT_TRUE(oracle::has_no_pit(s.around, removal.height, s.is_outlet));
+  }
+}
+
 TEST(PitRemoval, LimitedSearchesKeepThePromises) {
   std::uint64_t num_unfinished = 0;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
@@ -463,6 +498,105 @@ TEST(PitRemoval, LimitedSearchesKeepThePromises) {
     }
   }
   EXPECT_GT(num_unfinished, 50u);
+}
+
+// Components cut along squares: still no pit, nothing above lifting, the same in every numbering.
+TEST(PitRemoval, CutComponentsKeepThePromises) {
+  std::uint64_t num_cut = 0, num_changed = 0;
+  for (std::uint64_t seed = 0; seed < 16; ++seed) {
+    SCOPED_TRACE(seed);
+    GridTerrain grid = make_grid(seed, 40, 40, 100, 30);
+    grid.height = testing::relief_heights(seed, grid.position, 1500, 300, seed % 2 == 0 ? 200 : 3);
+    if (seed % 3 == 0) {  // plateaus
+      for (auto& z : grid.height) z /= 50;
+    }
+    const auto is_outlet = testing::hull_flags(grid);
+    std::vector<std::uint32_t> to(grid.num_vertices());
+    std::iota(to.begin(), to.end(), 0u);
+    testing::shuffle(seed, to);
+    GridTerrain moved = grid;
+    std::vector<std::uint8_t> moved_outlet(is_outlet.size());
+    for (std::uint32_t v = 0; v < to.size(); ++v) {
+      moved.height[to[v]] = grid.height[v];
+      moved.position[to[v]] = grid.position[v];
+      moved_outlet[to[v]] = is_outlet[v];
+    }
+    for (auto& v : moved.triangle) v = to[v];
+    const Sample a = sample_of(grid, is_outlet), b = sample_of(moved, moved_outlet);
+    for (const std::uint64_t most : {1u, 10u, 100u})
+      for (const RemovalMethod method : {RemovalMethod::lift, RemovalMethod::breach, RemovalMethod::least_change}) {
+        SCOPED_TRACE(std::to_string(most) + " " + std::to_string(static_cast<int>(method)));
+        RemovalOptions options;
+        options.method = method;
+        options.limits.max_visits = 50;
+        const Removal whole = remove_pits(a.view(ChangeMeasure::total), options);
+        options.limits.max_group = most;
+        options.with_bound = true;
+        const Removal p = remove_pits(a.view(ChangeMeasure::total), options),
+                      q = remove_pits(b.view(ChangeMeasure::total), options);
+        for (std::uint32_t v = 0; v < to.size(); ++v) {
+          ASSERT_EQ(p.height[v], q.height[to[v]]);
+          EXPECT_LE(p.height[v], p.components.level[v]);
+        }
+        EXPECT_TRUE(oracle::has_no_pit(a.around, p.height, a.is_outlet));
+        EXPECT_EQ(p.cost, cost_of(a, p.height, ChangeMeasure::total));
+        EXPECT_LE(p.bound, p.cost);
+        if (method == RemovalMethod::least_change) {
+          EXPECT_LE(p.cost, cost_of(a, p.components.level, ChangeMeasure::total));
+        }
+        if (method == RemovalMethod::lift) {
+          EXPECT_EQ(p.height, whole.height);
+        }
+        num_cut += p.components.num_cut;
+        num_changed += p.height != whole.height;
+      }
+  }
+  EXPECT_GT(num_cut, 100u);
+  EXPECT_GT(num_changed, 50u);
+}
+
+// The squares by their definition: as long as there are too many members, halves by one bit of x, then of y.
+TEST(GroupCut, SquaresAreTheLargestWithFewEnoughMembers) {
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    const CutGrid grid{{static_cast<std::int32_t>(random.below(100)) - 50, -2'000'000'000}, 3};
+    std::vector<LatticePoint> place;
+    const std::uint64_t wide = std::uint64_t{1} << (4 + random.below(28));
+    for (std::uint64_t i = 0; i < 1 + random.below(200); ++i)
+      place.push_back({static_cast<std::int32_t>(grid.origin.x + static_cast<std::int64_t>(random.below(
+                                                                     std::min(wide, std::uint64_t{2'000'000'000})))),
+                       static_cast<std::int32_t>(grid.origin.y + static_cast<std::int64_t>(random.below(wide)))});
+    const std::uint64_t most = 1 + random.below(20);
+    std::map<std::uint64_t, std::uint64_t> members;
+    for (const LatticePoint p : place) ++members[grid.cell_of(p)];
+    std::vector<CountedCell> cells;
+    for (const auto& [cell, n] : members) cells.push_back({cell, n});
+    const std::vector<std::uint32_t> square = squares_of(cells, most);
+    const auto number_of = [&](LatticePoint p) {
+      return square[static_cast<std::size_t>(std::distance(members.begin(), members.find(grid.cell_of(p))))];
+    };
+    std::uint32_t next = 0;
+    const std::function<void(const std::vector<LatticePoint>&, int, bool)> divide =
+        [&](const std::vector<LatticePoint>& all, int bit, bool by_x) {
+          if (all.empty()) return;
+          if (all.size() <= most || bit < 0) {
+            for (const LatticePoint p : all) EXPECT_EQ(number_of(p), next);
+            ++next;
+            return;
+          }
+          std::vector<LatticePoint> low, high;
+          for (const LatticePoint p : all) {
+            const std::int64_t cell =
+                (by_x ? std::int64_t{p.x} - grid.origin.x : std::int64_t{p.y} - grid.origin.y) / 8;
+            ((cell >> bit) % 2 == 0 ? low : high).push_back(p);
+          }
+          divide(low, by_x ? bit - 1 : bit, !by_x);
+          divide(high, by_x ? bit - 1 : bit, !by_x);
+        };
+    divide(place, 31, false);
+    EXPECT_EQ(next, square.back() + 1);
+  }
 }
 
 // River vertices that must not move, and bounds on all others: a later step's way of using the problems.

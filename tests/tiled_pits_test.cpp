@@ -94,6 +94,7 @@ RemovalOptions removal_of(const PitOptions& pits) {
   out.measure = pits.measure;
   out.limits.max_visits = kScalableVisits;
   out.limits.max_lake = pits.largest_lake;
+  out.limits.max_group = pits.largest_group;
   return out;
 }
 
@@ -223,6 +224,36 @@ TEST(TiledPits, LargeLakesAreRaised) {
         std::filesystem::remove_all(options.output.dir);
       }
     }
+}
+
+// Groups inside a tile and across tiles, cut along squares that know nothing of tiles.
+TEST(TiledPits, LargeGroupsAreCut) {
+  const TemporaryFolder folder;
+  for (const std::uint64_t most : {std::uint64_t{5}, std::uint64_t{150}}) {
+    const Terrain terrain = make_terrain(folder, most, 12'000, most == 5 ? 10 : 1);
+    const Whole whole = make_whole(terrain, options_of(terrain, folder / "plan", kEverything));
+    for (const PitMethod method : {PitMethod::breach, PitMethod::least_change}) {
+      PipelineOptions options = options_of(terrain, folder / "cut", kEverything);
+      options.pits.method = method;
+      options.pits.largest_group = most;
+      if (most == 5) options.pits.largest_lake = 300;
+      const std::vector<std::int32_t> expected = removed(whole, options.pits, whole.on_hull);
+      PitOptions without = options.pits;
+      without.largest_group = kEverything;
+      EXPECT_NE(expected, removed(whole, without, whole.on_hull));
+      for (const std::uint64_t target : {kEverything, std::uint64_t{1'000}}) {
+        SCOPED_TRACE(std::to_string(most) + " " + std::to_string(static_cast<int>(method)) + " " +
+                     std::to_string(target));
+        options.tiles.target_points = target;
+        EXPECT_EQ(run(options).fingerprint, whole.fingerprint(expected));
+        expect_checked(options.output.dir);
+        const auto report =
+            nlohmann::json::parse(testing::bytes_of(options.output.dir + "/report.json"))["pit_removal"];
+        EXPECT_GT(report["groups_cut"], 0);
+        std::filesystem::remove_all(options.output.dir);
+      }
+    }
+  }
 }
 
 TEST(TiledPits, LimitsAreKept) {

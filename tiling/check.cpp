@@ -156,11 +156,12 @@ void check_removed(const DatasetIndex& index, Problems& problems) {
   for_each_tile(index, [&](std::uint32_t tile) {
     for (const LatticeBox& box : unflatten(open(tile).read<std::int32_t>("triangle_box"))) bounds[tile].extend(box);
   });
+  const BoxTree tree(std::move(bounds));
   std::optional<ErrorLimit> limit;
   if (index.removed_limit_millionths >= 0) limit = ErrorLimit{index.removed_limit_millionths};
   for_each_tile(index, [&](std::uint32_t tile) {
     try {
-      figures[tile] = measure_removed(tile, open, bounds, limit);
+      figures[tile] = measure_removed(tile, open, tree, limit);
     } catch (const Error& error) {
       found[tile].add("unreadable", error.what());
     }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "group_units.h"
 #include "phases.h"
 #include "store.h"
 #include "tiled_groups.h"
@@ -12,8 +13,9 @@ constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint64_t kMemberBytes = 450;  // of a group that is solved, with all around it
 
 struct TilePieces {
-  std::uint32_t first = 0, num_pieces = 0;  // number of its first piece in the joiner; then come its flats
-  std::vector<std::uint64_t> size, rim_point;
+  std::uint32_t num_pieces = 0;  // then come its flats
+  std::vector<std::uint64_t> size;
+  TileParts own;
   std::vector<std::uint8_t> touches, drains;
   std::vector<std::uint32_t> rim_label, contact_flat, contact_piece;
 };
@@ -23,15 +25,20 @@ TilePieces read_pieces(const RunContext& context, std::uint32_t tile) {
   TilePieces out;
   out.num_pieces = static_cast<std::uint32_t>(in.integer("pieces"));
   out.size = in.read<std::uint64_t>("piece_size");
-  out.rim_point = in.read<std::uint64_t>("rim_point");
+  out.own.parts = read_parts(in, out.size.size());
+  out.own.rim_point = in.read<std::uint64_t>("rim_point");
+  out.own.rim_part = in.read<std::uint32_t>("rim_part");
   out.touches = in.read<std::uint8_t>("flat_touches");
   out.drains = in.read<std::uint8_t>("flat_drains");
   out.rim_label = in.read<std::uint32_t>("rim_label");
   out.contact_flat = in.read<std::uint32_t>("contact_flat");
   out.contact_piece = in.read<std::uint32_t>("contact_piece");
   const auto beyond = [&](std::uint32_t label) { return label >= out.size.size(); };
+  const auto no_part = [&](std::uint32_t p) { return p != kNone && p >= out.own.parts.size.size(); };
   if (out.size.size() != out.num_pieces + out.drains.size() || out.touches.size() != out.drains.size() ||
-      out.rim_label.size() != out.rim_point.size() || out.contact_flat.size() != out.contact_piece.size() ||
+      out.rim_label.size() != out.own.rim_point.size() || out.own.rim_part.size() != out.own.rim_point.size() ||
+      std::any_of(out.own.rim_part.begin(), out.own.rim_part.end(), no_part) ||
+      out.contact_flat.size() != out.contact_piece.size() ||
       std::any_of(out.rim_label.begin(), out.rim_label.end(), beyond) ||
       std::any_of(out.contact_flat.begin(), out.contact_flat.end(), beyond) ||
       std::any_of(out.contact_piece.begin(), out.contact_piece.end(), beyond))
@@ -45,9 +52,9 @@ std::vector<std::vector<std::uint8_t>> member_flats(const std::vector<TilePieces
   for (std::uint32_t t = 0; t < tiles.size(); ++t) {
     std::uint32_t first = kNone;
     for (std::size_t f = 0; f < tiles[t].drains.size(); ++f) first = std::min(first, joiner.add_piece(t, 0));
-    for (std::size_t i = 0; i < tiles[t].rim_point.size(); ++i)
+    for (std::size_t i = 0; i < tiles[t].own.rim_point.size(); ++i)
       if (tiles[t].rim_label[i] >= tiles[t].num_pieces)
-        joiner.add_vertex(tiles[t].rim_point[i], first + tiles[t].rim_label[i] - tiles[t].num_pieces);
+        joiner.add_vertex(tiles[t].own.rim_point[i], first + tiles[t].rim_label[i] - tiles[t].num_pieces);
   }
   const JoinedGroups flats = joiner.join();
   std::vector<std::uint8_t> touches(flats.owner.size(), 0), drains(flats.owner.size(), 0);
@@ -61,15 +68,56 @@ std::vector<std::vector<std::uint8_t>> member_flats(const std::vector<TilePieces
   return is_member;
 }
 
-void require_memory(const RunContext& context, const JoinedGroups& groups) {
-  if (groups.size.empty() || context.options.pits.method == PitMethod::lift) return;
-  const auto largest = *std::max_element(groups.size.begin(), groups.size.end());
+void require_memory(const RunContext& context, const GroupUnits& units) {
+  if (units.size.empty() || context.options.pits.method == PitMethod::lift) return;
+  const auto largest = *std::max_element(units.size.begin(), units.size.end());
   if (largest * kMemberBytes <= context.options.run.memory_bytes) return;
   throw Error(ErrorKind::resource,
               "around some pits " + std::to_string(largest) + " vertices hang together and need about " +
                   std::to_string(largest * kMemberBytes >> 20) + " MiB to be solved, but run.memory is " +
                   std::to_string(context.options.run.memory_bytes >> 20) +
-                  " MiB; raise run.memory, limit pits.max_breach_length_m, or use pits.method: lift");
+                  " MiB; raise run.memory, lower pits.largest_group or pits.largest_lake, or use pits.method: lift");
+}
+
+// The units with the tiles that have parts of them.
+void write_units(const RunContext& context, const GroupUnits& units, store::Writer& out) {
+  // A flat that stays is a unit of size 0; a lake too large to be drawn (lifting needs no more) is left out as well.
+  std::vector<std::uint8_t> is_left_out(units.size.size());
+  std::int64_t num_units = 0, num_undrawn = 0;
+  for (std::size_t u = 0; u < units.size.size(); ++u) {
+    const bool is_too_large = units.size[u] * kMemberBytes > context.options.run.memory_bytes;
+    is_left_out[u] = units.size[u] == 0 || is_too_large;
+    num_units += units.size[u] != 0;
+    num_undrawn += is_too_large;
+  }
+  std::vector<std::uint32_t> unit_of, owner, tile_list;
+  std::vector<std::uint64_t> begin{0}, tile_begin{0};
+  std::vector<std::vector<std::uint32_t>> tiles_of(units.unit.size());
+  for (std::uint32_t t = 0; t < units.unit.size(); ++t) {
+    for (const std::uint32_t u : units.unit[t]) {
+      unit_of.push_back(is_left_out[u] ? kNone : u);
+      owner.push_back(is_left_out[u] ? kNone : units.owner[u]);
+      if (is_left_out[u]) continue;
+      auto& list = tiles_of[units.owner[u]];
+      if (list.empty() || list.back() != t) list.push_back(t);
+    }
+    begin.push_back(unit_of.size());
+  }
+  for (const auto& list : tiles_of) {
+    tile_list.insert(tile_list.end(), list.begin(), list.end());
+    tile_begin.push_back(tile_list.size());
+  }
+  out.append("part_begin", begin, "offsets of the tiles into part_unit, one more than tiles");
+  out.append("part_unit", unit_of,
+             "for each entry of the tile's part_size what it is solved with; 4294967295: nothing");
+  out.append("part_owner", owner, "the tile that solves it");
+  out.append("tile_begin", tile_begin, "offsets of the tiles into tile_list, one more than tiles");
+  out.append("tile_list", tile_list, "tiles with parts of what a tile solves");
+  out.set("groups", num_units);
+  out.set("undrawn", num_undrawn);
+  out.set("cut", static_cast<std::int64_t>(units.num_cut));
+  out.set("largest_group",
+          static_cast<std::int64_t>(units.size.empty() ? 0 : *std::max_element(units.size.begin(), units.size.end())));
 }
 
 }  // namespace
@@ -86,55 +134,24 @@ void join_groups(const RunContext& context) {
     };
     for (std::uint32_t i = 0; i < tile.size.size(); ++i) {
       const std::uint32_t piece = joiner.add_piece(t, stays(i) ? 0 : tile.size[i]);
-      if (i == 0) tile.first = piece;
+      if (i == 0) tile.own.first_piece = piece;
     }
-    for (std::size_t i = 0; i < tile.rim_point.size(); ++i)
-      if (!stays(tile.rim_label[i])) joiner.add_vertex(tile.rim_point[i], tile.first + tile.rim_label[i]);
+    for (std::size_t i = 0; i < tile.own.rim_point.size(); ++i)
+      if (!stays(tile.rim_label[i])) joiner.add_vertex(tile.own.rim_point[i], tile.own.first_piece + tile.rim_label[i]);
     for (std::size_t i = 0; i < tile.contact_flat.size(); ++i)
       if (!stays(tile.contact_flat[i]))
-        joiner.unite(tile.first + tile.contact_flat[i], tile.first + tile.contact_piece[i]);
+        joiner.unite(tile.own.first_piece + tile.contact_flat[i], tile.own.first_piece + tile.contact_piece[i]);
   }
   const JoinedGroups groups = joiner.join();
-  require_memory(context, groups);
-  // A flat that stays is a group of size 0; a lake too large to be drawn (lifting needs no more) is left out as well.
-  std::vector<std::uint32_t> group_of, owner;
-  std::int64_t num_groups = 0, num_undrawn = 0;
-  std::vector<std::uint8_t> is_left_out(groups.owner.size());
-  for (std::size_t g = 0; g < groups.owner.size(); ++g) {
-    const bool is_too_large = groups.size[g] * kMemberBytes > context.options.run.memory_bytes;
-    is_left_out[g] = groups.size[g] == 0 || is_too_large;
-    num_groups += groups.size[g] != 0;
-    num_undrawn += is_too_large;
-  }
-  std::vector<std::uint64_t> begin{0}, tile_begin{0};
-  std::vector<std::vector<std::uint32_t>> tiles_of(tiles.size());
-  for (std::uint32_t t = 0; t < tiles.size(); ++t) {
-    for (std::uint32_t i = 0; i < tiles[t].size.size(); ++i) {
-      const std::uint32_t g = groups.group[tiles[t].first + i];
-      group_of.push_back(is_left_out[g] ? kNone : g);
-      owner.push_back(is_left_out[g] ? kNone : groups.owner[g]);
-      if (is_left_out[g]) continue;
-      auto& list = tiles_of[groups.owner[g]];
-      if (list.empty() || list.back() != t) list.push_back(t);
-    }
-    begin.push_back(group_of.size());
-  }
-  std::vector<std::uint32_t> tile_list;
-  for (const auto& list : tiles_of) {
-    tile_list.insert(tile_list.end(), list.begin(), list.end());
-    tile_begin.push_back(tile_list.size());
-  }
+  const bool cuts = context.options.pits.method != PitMethod::lift;
+  std::vector<TileParts> parts;
+  for (TilePieces& tile : tiles) parts.push_back(std::move(tile.own));
+  const GroupUnits units = units_of(parts, groups, cut_grid(context.outline.bounds(), context.outline.vertices),
+                                    cuts ? context.options.pits.largest_group : ~std::uint64_t{0});
+  require_memory(context, units);
   store::Writer out(context.layout.unit(Phase::groups, 0));
   out.set("recipe", context.recipe(Phase::groups));
-  out.append("label_begin", begin, "offsets of the tiles into label_group, one more than tiles");
-  out.append("label_group", group_of, "for each entry of the tile's piece_size its group; 4294967295: none");
-  out.append("label_owner", owner, "the tile that solves it");
-  out.append("tile_begin", tile_begin, "offsets of the tiles into tile_list, one more than tiles");
-  out.append("tile_list", tile_list, "tiles with pieces of the groups that a tile solves");
-  out.set("groups", num_groups);
-  out.set("undrawn", num_undrawn);
-  out.set("largest_group", static_cast<std::int64_t>(
-                               groups.size.empty() ? 0 : *std::max_element(groups.size.begin(), groups.size.end())));
+  write_units(context, units, out);
   out.commit();
 }
 

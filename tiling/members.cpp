@@ -5,6 +5,8 @@
 
 #include "edits_file.h"
 #include "filled_lakes.h"
+#include "group_parts.h"
+#include "hydrotin/group_cut.h"
 #include "hydrotin/lifting.h"
 #include "path_members.h"
 #include "phases.h"
@@ -35,6 +37,7 @@ class TileMembers {
   OpenFlats flats;
   std::vector<std::uint32_t> label;  // [n] piece, or pieces + flat that does not drain here; kNone
   std::vector<std::uint64_t> piece_size;
+  GroupParts parts;  // of pieces and flats, in case that the group is too large
   std::vector<std::pair<std::uint32_t, std::uint32_t>> contact;  // flat, piece
 
  private:
@@ -122,7 +125,13 @@ class TileMembers {
     }
     for (std::uint32_t v = 0; v < n; ++v)
       if (open_flat[v] != kNone) label[v] = static_cast<std::uint32_t>(piece_size.size()) + open_flat[v];
+    const bool cuts = context_.options.pits.method != PitMethod::lift;
+    const CutGrid grid = cut_grid(context_.outline.bounds(), context_.outline.vertices);
+    if (cuts)
+      components.num_cut =
+          cut_large_groups(terrain_, components.level, grid, context_.options.pits.largest_group, is_closed);
     collect_components(terrain_, is_closed, {}, components);
+    parts = cuts ? parts_of(surface_, terrain_, label, grid) : whole_parts(surface_, label);
   }
 
   const RunContext& context_;
@@ -137,11 +146,12 @@ class TileMembers {
 void write_open(store::Writer& out, const Surface& surface, const TileMembers& members) {
   const auto num_pieces = static_cast<std::uint32_t>(members.piece_size.size());
   std::vector<std::uint64_t> rim_point, size = members.piece_size;
-  std::vector<std::uint32_t> rim_label, contact_flat, contact_piece;
+  std::vector<std::uint32_t> rim_label, rim_part, contact_flat, contact_piece;
   for (std::uint32_t v = 0; v < surface.num_vertices(); ++v)
     if (surface.is_rim[v] && members.label[v] < num_pieces) {
       rim_point.push_back(surface.point[v]);
       rim_label.push_back(members.label[v]);
+      rim_part.push_back(members.parts.of[v]);
     }
   for (std::uint32_t f = 0; f < members.flats.drains.size(); ++f) {
     size.push_back(members.flats.begin[f + 1] - members.flats.begin[f]);
@@ -149,6 +159,7 @@ void write_open(store::Writer& out, const Surface& surface, const TileMembers& m
       if (!surface.is_rim[members.flats.vertex[i]]) continue;
       rim_point.push_back(surface.point[members.flats.vertex[i]]);
       rim_label.push_back(num_pieces + f);
+      rim_part.push_back(members.parts.of[members.flats.vertex[i]]);
     }
   }
   for (const auto& [flat, piece] : members.contact) {
@@ -161,10 +172,13 @@ void write_open(store::Writer& out, const Surface& surface, const TileMembers& m
   out.append("flat_drains", members.flats.drains, "1: the flat has an outlet or a way down here");
   out.append("rim_point", rim_point, "vertices of them that other parts have too: tile << 32 | index");
   out.append("rim_label", rim_label, "index into piece_size");
+  out.append("rim_part", rim_part, "index into part_size");
   out.append("contact_flat", contact_flat, "flats beside groups: index into piece_size");
   out.append("contact_piece", contact_piece, "the group: index into piece_size");
 
-  std::vector<std::uint32_t> number(surface.num_vertices(), kNone), triangle, label;
+  write_parts(out, members.parts);
+
+  std::vector<std::uint32_t> number(surface.num_vertices(), kNone), triangle, part;
   std::vector<std::uint64_t> point;
   std::vector<std::int32_t> xyz, level, breached;
   std::vector<std::uint8_t> outlet;
@@ -179,7 +193,7 @@ void write_open(store::Writer& out, const Surface& surface, const TileMembers& m
         level.push_back(surface.level[v[i]]);
         breached.push_back(members.components.breached[v[i]]);
         outlet.push_back(surface.is_outlet[v[i]]);
-        label.push_back(members.label[v[i]]);
+        part.push_back(members.parts.of[v[i]]);
       }
       triangle.push_back(number[v[i]]);
     }
@@ -189,7 +203,7 @@ void write_open(store::Writer& out, const Surface& surface, const TileMembers& m
   out.append("patch_level", level, "z lattice: where the water stands when all pits are full");
   out.append("patch_breached", breached, "z lattice: the lowest level of the breaches through it, or its height");
   out.append("patch_outlet", outlet, "1: water may leave");
-  out.append("patch_label", label, "index into piece_size; 4294967295: stays where it is");
+  out.append("patch_part", part, "index into part_size; 4294967295: stays where it is");
   out.append("patch_triangle", triangle, "vertices, counter-clockwise");
 }
 
@@ -229,6 +243,7 @@ void find_members(const RunContext& context, std::uint32_t tile) {
   out.append("point", surface.point, "vertices of the tile's triangles: tile << 32 | index");
   out.append("height", height, "z lattice: final, but for what `settle` moves");
   write_figures(out, figures);
+  out.set("cut", static_cast<std::int64_t>(members.components.num_cut));
   write_open(out, surface, members);
   write_edits(out, changeable.view(), surface.triangle, members.components, height, changeable.star());
   out.commit();

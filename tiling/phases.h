@@ -11,6 +11,7 @@
 #include "ingest_index.h"
 #include "layout.h"
 #include "outline.h"
+#include "part_bounds.h"
 #include "pit_places.h"
 #include "plan.h"
 #include "recipe.h"
@@ -38,6 +39,10 @@ struct RunContext {
   Outline survey{};   ///< of all points, from phase `thin` on if points are thinned
   std::shared_ptr<IngestIndex> ingest_index = std::make_shared<IngestIndex>();  ///< filled by the first tile arranged
   std::shared_ptr<BreachIndex> breach_index = std::make_shared<BreachIndex>();  ///< by the first tile of `members`
+  std::shared_ptr<PartBounds> part_bounds = std::make_shared<PartBounds>();     ///< from phase `drain` on
+
+  /// The tiles by the boxes of their triangles.
+  [[nodiscard]] const BoxTree& parts() const { return part_bounds->tree(layout, plan.num_tiles()); }
 
   [[nodiscard]] bool thins() const { return options.thin.vertical_error_m.has_value(); }
   /// The file that holds a tile's vertices: what `arrange` made, or what `thin` left of it.

@@ -25,6 +25,7 @@ RemovalOptions removal_options(const PitOptions& pits, const Lattice& lattice, d
   }
   out.measure = pits.measure;
   out.limits.max_visits = kScalableVisits;
+  out.limits.max_group = pits.largest_group;
   // A hair more, so that a limit which is a multiple of the lattice unit stays one.
   if (pits.max_breach_depth_m)
     out.limits.max_depth = static_cast<std::int32_t>(

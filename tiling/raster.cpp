@@ -8,7 +8,6 @@
 #include "hydrotin/raster_frame.h"
 #include "hydrotin/rasterize.h"
 #include "leftovers.h"
-#include "part_bounds.h"
 #include "phases.h"
 #include "terrain_file.h"
 
@@ -95,20 +94,21 @@ RasterCount write_raster(const RunContext& context, std::uint32_t tile, RasterKi
   const std::int64_t columns = window.num_columns(), rows = window.num_rows();
   const std::uint64_t limit =
       dem.max_edge_m > 0 ? squared_edge_limit(dem.max_edge_m / context.plan.metres_per_unit, lattice) : kNoEdgeLimit;
-  const std::vector<LatticeBox> parts = bounds_of_parts(context);
+  const BoxTree& parts = context.parts();
   std::uint64_t with_height = 0;
   const auto fill = [&](std::uint32_t first_row, std::span<float> value) {
     CellRange band = window;
     band.row_begin += first_row;
     band.row_end = band.row_begin + static_cast<std::int64_t>(value.size()) / columns;
     const LatticeBox reach = intersection(with_far_sides(box), around_rows(frame, lattice, band));
-    for (std::uint32_t t = 0; t < parts.size(); ++t) {
-      if (!parts[t].intersects(reach)) continue;
+    const auto meets_reach = [&](const LatticeBox& part) { return part.intersects(reach); };
+    parts.for_each(meets_reach, [&](std::uint32_t t) {
       TrianglePatch patch =
           read_patch(store::Reader(context.layout.unit(Phase::finish, t)), reach, kind == RasterKind::change);
       if (kind == RasterKind::change) keep_changed(patch);
       with_height += rasterize(patch.position, patch.height, patch.triangle, lattice, frame, band, limit, value);
-    }
+      return true;
+    });
   };
   const RasterGrid grid{frame.origin_x + static_cast<double>(window.column_begin) * frame.cell,
                         frame.origin_y - static_cast<double>(window.row_begin) * frame.cell,

@@ -52,7 +52,7 @@ void add_rivers(const RiverOptions& rivers, RecipeHash& hash) {
 }  // namespace
 
 std::string recipe(const std::string& plan_recipe, const PipelineOptions& options, Phase phase) {
-  constexpr std::int64_t kFormat = 9;
+  constexpr std::int64_t kFormat = 10;
   RecipeHash hash;
   hash.add(kFormat).add(plan_recipe).add(std::string(name(phase)));
   if (phase >= Phase::thin && options.thin.vertical_error_m)
@@ -90,7 +90,8 @@ std::string recipe(const std::string& plan_recipe, const PipelineOptions& option
         .add(static_cast<std::int64_t>(pits.measure))
         .add(pits.max_breach_length_m.value_or(-1))
         .add(pits.max_breach_depth_m.value_or(-1))
-        .add(static_cast<std::int64_t>(pits.largest_lake));
+        .add(static_cast<std::int64_t>(pits.largest_lake))
+        .add(static_cast<std::int64_t>(pits.largest_group));
   if (phase >= Phase::finish) hash.add(std::int64_t{options.output.mesh_ply});
   if (phase >= Phase::raster)
     hash.add(std::int64_t{options.output.dem.enabled})

@@ -164,7 +164,7 @@ void RemovedFigures::add(const RemovedFigures& other) {
 }
 
 RemovedFigures measure_removed(std::uint32_t tile, const std::function<store::Reader(std::uint32_t)>& open,
-                               std::span<const LatticeBox> bounds, const std::optional<ErrorLimit>& limit) {
+                               const BoxTree& bounds, const std::optional<ErrorLimit>& limit) {
   TilePoints points;
   {
     const store::Reader own = open(tile);
@@ -173,8 +173,11 @@ RemovedFigures measure_removed(std::uint32_t tile, const std::function<store::Re
   }
   if (points.position.empty()) return {};
   Measurement measurement(points, limit);
-  for (std::uint32_t t = 0; t < bounds.size(); ++t)
-    if (bounds[t].intersects(measurement.box())) measurement.add(read_patch(open(t), measurement.box(), true));
+  bounds.for_each([&](const LatticeBox& box) { return box.intersects(measurement.box()); },
+                  [&](std::uint32_t t) {
+                    measurement.add(read_patch(open(t), measurement.box(), true));
+                    return true;
+                  });
   return measurement.finish();
 }
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
-#include <span>
 
+#include "box_tree.h"
 #include "hydrotin/vertical_error.h"
 #include "polygon_figures.h"
 #include "store.h"
@@ -27,12 +27,11 @@ struct RemovedFigures {
 };
 
 /// @param tile    whose removed points are measured
-/// @param open    terrain files by tile  @param bounds  [tiles] boxes of the triangles in them
+/// @param open    terrain files by tile  @param bounds  of the triangles in them
 /// Complexity: O(points + triangles that meet them). Fails: Error(storage) naming the file.
 [[nodiscard]] RemovedFigures measure_removed(std::uint32_t tile,
                                              const std::function<store::Reader(std::uint32_t)>& open,
-                                             std::span<const LatticeBox> bounds,
-                                             const std::optional<ErrorLimit>& limit);
+                                             const BoxTree& bounds, const std::optional<ErrorLimit>& limit);
 
 void write_removed_figures(store::Writer& out, const RemovedFigures& figures);
 [[nodiscard]] RemovedFigures read_removed_figures(const store::Reader& in);

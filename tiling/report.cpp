@@ -530,7 +530,10 @@ void write_index(const RunContext& context, const Figures& f) {
   }
   out.append("output_path", paths, "other results, zero-terminated, relative to the output folder");
   out.append("output_bytes", bytes, "their sizes");
+  const std::string folder = fs::path(context.layout.index()).parent_path().string();
+  store::sync_folder(folder);  // whatever the index lists is there for good before the index is
   out.commit();
+  store::sync_folder(folder);
 }
 
 }  // namespace

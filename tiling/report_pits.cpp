@@ -169,6 +169,7 @@ PitFigures collect_pit_figures(const RunContext& context) {
     out.change.add(read_change_figures(in));
     out.regions += static_cast<std::int64_t>(in.size("region_level"));
     out.breaches += static_cast<std::int64_t>(in.size("breach_depth"));
+    if (in.has_attribute("cut")) out.cut += in.integer("cut");  // of groups inside one tile
   }
   if (method == PitMethod::lift) {
     out.change.raised += drain.integer("rim_lifted");
@@ -178,6 +179,7 @@ PitFigures collect_pit_figures(const RunContext& context) {
   const store::Reader groups(context.layout.unit(Phase::groups, 0));
   out.largest_group = groups.integer("largest_group");
   out.undrawn = groups.integer("undrawn");
+  out.cut += groups.integer("cut");
   if (method != PitMethod::lift) out.undrawn += store::Reader(context.layout.unit(Phase::lakes, 0)).integer("filled");
   for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t) {
     out.deepest = std::max(out.deepest, store::Reader(context.layout.unit(Phase::pools, t)).integer("deepest"));
@@ -236,7 +238,8 @@ PitVerdict judge_pits(const RunContext& context, const PitFigures& f) {
   else
     bound = f.deepest > 0 ? 1 : 0;
   bound = std::max(bound, bound_of_lakes(measure, f));
-  if (lowers_only && f.unbreached == 0 && f.unfinished == 0) bound = std::max(bound, static_cast<double>(f.dearest));
+  if (lowers_only && f.unbreached == 0 && f.unfinished == 0 && f.cut == 0)
+    bound = std::max(bound, static_cast<double>(f.dearest));
   return {cost * unit, std::min(bound, cost) * unit, bound >= cost};
 }
 
@@ -261,6 +264,7 @@ std::string pits_json(const RunContext& context, const PitFigures& f) {
               {"lifted_regions", f.regions},
               {"breaches", f.breaches},
               {"lifted_for_want_of_a_breach", f.unbreached},
+              {"groups_cut", f.cut},
               {"cost", verdict.cost},
               {"bound", verdict.bound},
               {"optimal", verdict.optimal}};

@@ -19,6 +19,7 @@ struct PitFigures {
   std::uint64_t before = 0, kept = 0, left = 0;
   ChangeFigures change;
   std::int64_t unbreached = 0, unfinished = 0, largest_group = 0, regions = 0, breaches = 0, undrawn = 0;
+  std::int64_t cut = 0;      ///< groups that were cut
   std::int64_t deepest = 0;  ///< largest difference between level and height
   std::int64_t dearest = 0;  ///< cost of the dearest breach by itself
   Wide bound = 0;            ///< sum over all lakes, in shares (lake_bound.h)

@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "edits_file.h"
+#include "hydrotin/group_cut.h"
 #include "hydrotin/lifting.h"
 #include "phases.h"
 #include "pit_options.h"
@@ -17,27 +18,29 @@ constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 struct Share {
   Surface surface;
   std::vector<std::uint8_t> is_member;  // [n]
+  std::vector<std::uint32_t> unit;      // [n] of whoever solves it
   std::vector<std::int32_t> breached;   // [n]
 };
 
 Share read_share(const RunContext& context, const store::Reader& groups, std::uint32_t tile, std::uint32_t owner) {
-  const auto begin = groups.read_range<std::uint64_t>("label_begin", tile, 2);
-  const auto owner_of = groups.read_range<std::uint32_t>("label_owner", begin[0], begin[1] - begin[0]);
+  const auto begin = groups.read_range<std::uint64_t>("part_begin", tile, 2);
+  const auto owner_of = groups.read_range<std::uint32_t>("part_owner", begin[0], begin[1] - begin[0]);
+  const auto unit_of = groups.read_range<std::uint32_t>("part_unit", begin[0], begin[1] - begin[0]);
   const store::Reader in(context.layout.unit(Phase::members, tile));
   const auto point = in.read<std::uint64_t>("patch_point");
   const auto xyz = in.read<std::int32_t>("patch_xyz");
   const auto level = in.read<std::int32_t>("patch_level");
   const auto breached = in.read<std::int32_t>("patch_breached");
   const auto outlet = in.read<std::uint8_t>("patch_outlet");
-  const auto label = in.read<std::uint32_t>("patch_label");
+  const auto part = in.read<std::uint32_t>("patch_part");
   const auto triangle = in.read<std::uint32_t>("patch_triangle");
   const std::size_t n = point.size();
-  if (xyz.size() != 3 * n || level.size() != n || breached.size() != n || outlet.size() != n || label.size() != n ||
+  if (xyz.size() != 3 * n || level.size() != n || breached.size() != n || outlet.size() != n || part.size() != n ||
       triangle.size() % 3 != 0 ||
       std::any_of(triangle.begin(), triangle.end(), [&](std::uint32_t v) { return v >= n; }) ||
-      std::any_of(label.begin(), label.end(), [&](std::uint32_t l) { return l != kNone && l >= owner_of.size(); }))
+      std::any_of(part.begin(), part.end(), [&](std::uint32_t p) { return p != kNone && p >= owner_of.size(); }))
     throw Error(ErrorKind::storage, in.path() + ": its patches contradict each other; delete the file and run again");
-  const auto is_mine = [&](std::uint32_t v) { return label[v] != kNone && owner_of[label[v]] == owner; };
+  const auto is_mine = [&](std::uint32_t v) { return part[v] != kNone && owner_of[part[v]] == owner; };
   Share out;
   std::vector<std::uint32_t> number(n, kNone);
   for (std::size_t t = 0; t < triangle.size(); t += 3) {
@@ -52,6 +55,7 @@ Share read_share(const RunContext& context, const store::Reader& groups, std::ui
         out.surface.level.push_back(level[v]);
         out.surface.is_outlet.push_back(outlet[v]);
         out.is_member.push_back(is_mine(v));
+        out.unit.push_back(part[v] == kNone ? kNone : unit_of[part[v]]);
         out.breached.push_back(breached[v]);
       }
       out.surface.triangle.push_back(number[v]);
@@ -75,17 +79,20 @@ void settle_groups(const RunContext& context, std::uint32_t tile) {
   components.level = surface.level;
   components.breached = surface.height;
   std::vector<std::uint8_t> is_member(surface.num_vertices(), 0);
+  std::vector<std::uint32_t> unit(surface.num_vertices(), kNoVertexNumber);
   for (std::size_t s = 0; s < shares.size(); ++s)
     for (std::uint32_t v = 0; v < parts[s].num_vertices(); ++v) {
       const auto at = static_cast<std::size_t>(
           std::lower_bound(surface.position.begin(), surface.position.end(), parts[s].position[v]) -
           surface.position.begin());
       is_member[at] |= shares[s].is_member[v];
+      unit[at] = std::min(unit[at], shares[s].unit[v]);
       components.breached[at] = std::min(components.breached[at], shares[s].breached[v]);
     }
   parts = {};
   shares = {};
   const ChangeableSurface changeable(context, surface);
+  hold_borders(changeable.view(), surface.level, unit, is_member);
   collect_components(changeable.view(), is_member, {}, components);
   std::vector<std::int32_t> height = surface.height;
   ChangeFigures figures;
@@ -125,8 +132,8 @@ std::vector<std::int32_t> settled_heights(const RunContext& context, std::uint32
                                         ": its heights are not those of the tile's vertices; delete the file "
                                         "and run again");
   const store::Reader groups(context.layout.unit(Phase::groups, 0));
-  const auto begin = groups.read_range<std::uint64_t>("label_begin", tile, 2);
-  auto owners = groups.read_range<std::uint32_t>("label_owner", begin[0], begin[1] - begin[0]);
+  const auto begin = groups.read_range<std::uint64_t>("part_begin", tile, 2);
+  auto owners = groups.read_range<std::uint32_t>("part_owner", begin[0], begin[1] - begin[0]);
   std::sort(owners.begin(), owners.end());
   owners.erase(std::unique(owners.begin(), owners.end()), owners.end());
   for (const std::uint32_t owner : owners) {

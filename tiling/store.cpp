@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr hsize_t kChunkElements = 16384;
+constexpr hsize_t kChunkElements = 16384;  // of an array that is longer; shorter ones are one chunk
 
 // Every call into HDF5 holds this: builds of the library without thread safety are common.
 std::recursive_mutex& library() {
@@ -135,10 +135,11 @@ struct Writer::Impl {
   Handle file;
 
   struct Column {
-    Handle dataset;
     Type type;
-    hsize_t written = 0;             // elements in complete chunks
-    std::vector<std::byte> pending;  // less than one chunk
+    std::string meaning;
+    Handle dataset{};                  // made once it is known whether the array is longer than one chunk
+    hsize_t written = 0;               // elements in complete chunks
+    std::vector<std::byte> pending{};  // less than one chunk
   };
   std::map<std::string, Column> columns;
   ChunkCodec codec;
@@ -150,9 +151,13 @@ struct Writer::Impl {
 
   Column& column(const std::string& name, Type type, std::string_view meaning) {
     const auto found = columns.find(name);
-    if (found != columns.end()) return found->second;
+    return found != columns.end() ? found->second
+                                  : columns.emplace(name, Column{type, std::string(meaning)}).first->second;
+  }
+
+  void create(const std::string& name, Column& column, hsize_t chunk) const {
     const Lock lock(library());
-    const hsize_t zero = 0, unlimited = H5S_UNLIMITED, chunk = kChunkElements;
+    const hsize_t zero = 0, unlimited = H5S_UNLIMITED;
     const Handle space(H5Screate_simple(1, &zero, &unlimited), H5Sclose);
     const Handle create(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
     H5Pset_chunk(create.get(), 1, &chunk);
@@ -160,21 +165,19 @@ struct Writer::Impl {
     H5Pset_deflate(create.get(), 1);
     H5Pset_fletcher32(create.get());
     H5Pset_obj_track_times(create.get(), false);  // equal content, equal bytes
-    Column fresh{Handle(H5Dcreate2(file.get(), name.c_str(), file_type(type), space.get(), H5P_DEFAULT, create.get(),
-                                   H5P_DEFAULT),
-                        H5Dclose),
-                 type,
-                 0,
-                 {}};
-    if (!fresh.dataset.is_open()) fail_writing("cannot create the array '" + name + "'");
-    if (!meaning.empty()) write_text(fresh.dataset.get(), "meaning", std::string(meaning));
-    return columns.emplace(name, std::move(fresh)).first->second;
+    column.dataset = Handle(H5Dcreate2(file.get(), name.c_str(), file_type(column.type), space.get(), H5P_DEFAULT,
+                                       create.get(), H5P_DEFAULT),
+                            H5Dclose);
+    if (!column.dataset.is_open()) fail_writing("cannot create the array '" + name + "'");
+    if (!column.meaning.empty()) write_text(column.dataset.get(), "meaning", column.meaning);
   }
 
-  // Writes one chunk; a short last one is padded with zeros.
+  // Writes one chunk; a short last one of several is padded with zeros. An array shorter than a chunk is a chunk of its
+  // own size: runs with many small tiles would else spend their time on zeros.
   void write_chunk(const std::string& name, Column& column, std::span<const std::byte> bytes, hsize_t elements) {
     const std::size_t size = size_of(column.type);
-    if (elements < kChunkElements) {
+    if (!column.dataset.is_open()) create(name, column, elements);
+    if (column.written > 0 && elements < kChunkElements) {
       padded.assign(bytes.begin(), bytes.end());
       padded.resize(kChunkElements * size);
       bytes = padded;
@@ -255,6 +258,10 @@ void sync(const std::string& path, int flags) {
 
 }  // namespace
 
+void sync_folder(const std::string& folder) {
+  sync(folder, O_RDONLY | O_DIRECTORY);
+}
+
 void Writer::set(const std::string& attribute, std::int64_t value) {
   write_scalar(impl_->file.get(), attribute, H5T_STD_I64LE, H5T_NATIVE_INT64, &value);
 }
@@ -267,6 +274,7 @@ void Writer::commit() {
   for (auto& [name, column] : impl_->columns) {
     if (!column.pending.empty())
       impl_->write_chunk(name, column, column.pending, column.pending.size() / size_of(column.type));
+    if (!column.dataset.is_open()) impl_->create(name, column, 1);  // an empty array
     if (column.dataset.reset() < 0) impl_->fail_writing("cannot finish the array '" + name + "'");
   }
   impl_->columns.clear();
@@ -284,7 +292,6 @@ void Writer::commit() {
     errno = error;
     impl_->fail_writing("cannot rename the finished file");
   }
-  sync(fs::path(impl_->path).parent_path().string(), O_RDONLY | O_DIRECTORY);
 }
 
 struct Reader::Impl {
@@ -314,7 +321,7 @@ struct Reader::Impl {
     H5Sget_simple_extent_dims(space.get(), &column.size, nullptr);
     const Handle create(H5Dget_create_plist(column.dataset.get()), H5Pclose);
     if (H5Pget_layout(create.get()) == H5D_CHUNKED) H5Pget_chunk(create.get(), 1, &column.chunk);
-    column.direct = column.chunk == kChunkElements && H5Pget_nfilters(create.get()) == 3;
+    column.direct = column.chunk > 0 && column.chunk <= kChunkElements && H5Pget_nfilters(create.get()) == 3;
     const std::array<H5Z_filter_t, 3> ours{H5Z_FILTER_SHUFFLE, H5Z_FILTER_DEFLATE, H5Z_FILTER_FLETCHER32};
     for (unsigned i = 0; column.direct && i < 3; ++i) {
       unsigned flags = 0;
@@ -328,9 +335,14 @@ struct Reader::Impl {
 
 Reader::Reader(const std::string& path) : impl_(std::make_unique<Impl>()) {
   impl_->path = path;
-  if (!fs::exists(path)) fail(path, "the file is missing", "run the phase that makes it");
+  std::error_code missing;
+  const std::uintmax_t bytes = fs::file_size(path, missing);
+  if (missing) fail(path, "the file is missing", "run the phase that makes it");
   const Lock lock(library());
-  impl_->file = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  constexpr std::uintmax_t kReadWhole = std::uintmax_t{64} << 10;  // one call instead of dozens
+  if (bytes <= kReadWhole) H5Pset_fapl_core(access.get(), kReadWhole, false);
+  impl_->file = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
   if (!impl_->file.is_open()) impl_->damaged("not a readable HDF5 file");
 }
 
@@ -376,10 +388,9 @@ void Reader::read_bytes(const std::string& name, Type type, std::uint64_t first,
       impl_->damaged("the array '" + name + "' cannot be read");
     return;
   }
-  std::vector<std::byte> encoded, chunk(kChunkElements * size);
+  std::vector<std::byte> encoded, chunk(column.chunk * size);
   auto* target = static_cast<std::byte*>(out);
-  for (std::uint64_t offset = first / kChunkElements * kChunkElements; offset < first + count;
-       offset += kChunkElements) {
+  for (std::uint64_t offset = first / column.chunk * column.chunk; offset < first + count; offset += column.chunk) {
     {
       const Lock lock(library());
       const hsize_t at = offset;
@@ -394,7 +405,7 @@ void Reader::read_bytes(const std::string& name, Type type, std::uint64_t first,
     }
     if (!impl_->codec.decode(encoded, size, chunk)) impl_->damaged("the checksum of the array '" + name + "' is wrong");
     const std::uint64_t begin = std::max(first, offset);
-    const std::uint64_t end = std::min(first + count, offset + std::uint64_t{kChunkElements});
+    const std::uint64_t end = std::min(first + count, offset + std::uint64_t{column.chunk});
     std::memcpy(target + (begin - first) * size, chunk.data() + (begin - offset) * size, (end - begin) * size);
   }
 }

@@ -12,7 +12,8 @@
 
 /// The store: arrays in HDF5 files, one file per work unit's output.
 ///
-/// A file is written under a temporary name, synced and renamed: under its final name it is complete. Arrays are
+/// A file is written under a temporary name, synced and renamed: under its final name it is complete. Should power
+/// fail, the last renames may be undone, and these units are made again; `sync_folder` makes renames last. Arrays are
 /// chunked, shuffled, deflated and carry Fletcher-32 checksums, so that any HDF5 tool reads them and a flipped bit is
 /// found. Filters run outside the HDF5 library's global lock, so that threads compress in parallel.
 ///
@@ -113,6 +114,9 @@ class Reader {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// Makes all renames in a folder last, also if power fails: one call for many files.
+void sync_folder(const std::string& folder);
 
 /// The attribute `recipe` of a complete file, or empty if there is no readable file.
 [[nodiscard]] std::string recipe_of(const std::string& path);

@@ -193,16 +193,16 @@ LatticeBox CellGrid::box(const Cell& cell) const {
 
 std::optional<Surface> read_window(const RunContext& context, const CellGrid& grid, std::span<const Cell> cells,
                                    std::uint64_t most_vertices) {
-  const std::vector<LatticeBox> bounds =
-      unflatten(store::Reader(context.layout.unit(Phase::drain, 0)).read<std::int32_t>("tile_bounds"));
   std::vector<Surface> shares;
   std::uint64_t num_vertices = 0;
-  for (std::uint32_t t = 0; t < bounds.size(); ++t) {
-    if (bounds[t].is_empty() || !meets(bounds[t], grid, cells)) continue;
-    shares.push_back(read_share(store::Reader(context.layout.unit(Phase::pools, t)), grid, cells));
-    num_vertices += shares.back().num_vertices();
-    if (num_vertices > most_vertices) return std::nullopt;
-  }
+  const bool fits = context.parts().for_each(
+      [&](const LatticeBox& box) { return meets(box, grid, cells); },
+      [&](std::uint32_t t) {
+        shares.push_back(read_share(store::Reader(context.layout.unit(Phase::pools, t)), grid, cells));
+        num_vertices += shares.back().num_vertices();
+        return num_vertices <= most_vertices;
+      });
+  if (!fits) return std::nullopt;
   return merged(shares, context.layout.unit(Phase::pools, 0));
 }
 

@@ -436,8 +436,8 @@ void read_keep(const Reader& keep, const std::filesystem::path& folder, KeepPits
 }
 
 void read_pits(const Reader& pits, const std::filesystem::path& folder, PitOptions& options) {
-  pits.require_keys({"method", "measure", "max_breach_length_m", "max_breach_depth_m", "largest_lake", "keep",
-                     "cheapest", "outlets", "voids_drain", "void_edge_m"});
+  pits.require_keys({"method", "measure", "max_breach_length_m", "max_breach_depth_m", "largest_lake", "largest_group",
+                     "keep", "cheapest", "outlets", "voids_drain", "void_edge_m"});
   if (const Reader method = pits.at("method"); method.is_given())
     options.method = static_cast<PitMethod>(method.choice({"none", "lift", "breach", "greedy-breach", "least-change"}));
   if (const Reader measure = pits.at("measure"); measure.is_given())
@@ -448,6 +448,8 @@ void read_pits(const Reader& pits, const std::filesystem::path& folder, PitOptio
     options.max_breach_depth_m = depth.real(0, 1e6, "a height in metres");
   if (const Reader lake = pits.at("largest_lake"); lake.is_given())
     options.largest_lake = lake.integer(1, 1'000'000'000'000);
+  if (const Reader group = pits.at("largest_group"); group.is_given())
+    options.largest_group = group.integer(1, 1'000'000'000'000);
   read_keep(pits.at("keep"), folder, options.keep);
   if (const Reader cheapest = pits.at("cheapest"); cheapest.is_given()) {
     options.cheapest = cheapest.integer(0, 1'000'000'000'000);

@@ -34,12 +34,13 @@ std::vector<std::int32_t> solve(const DrainageProblem& problem, const RemovalOpt
 }
 
 /// A bound for the class of surfaces of the method. Lifting is best in its class. Lowering alone costs at least what
-/// the dearest pit costs by itself, if all pits are lowered.
+/// the dearest pit costs by itself, if all pits are lowered; where components were cut, some may be lifted.
 std::int64_t bound_of(const ChangeableTerrain& terrain, const RemovalOptions& options, const PitComponents& components,
                       std::int64_t cost) {
   if (options.method == RemovalMethod::lift) return cost;
   std::int64_t bound = change_bound(terrain, components.level, options.measure);
-  if (options.method != RemovalMethod::least_change && components.num_unbreached == 0 && components.num_unfinished == 0)
+  if (options.method != RemovalMethod::least_change && components.num_unbreached == 0 &&
+      components.num_unfinished == 0 && components.num_cut == 0)
     bound = std::max(bound, components.dearest_breach);
   return bound;
 }

@@ -13,8 +13,8 @@
 /// What hangs together around pits: the vertices that pit removal may move, in components that can be solved alone.
 ///
 /// Members are (a) the vertices that lifting raises; (b) the vertices that a breach of some pit by itself lowers
-/// (thesis, Theorem 6.2), or where it lies below all outlets in reach, that a breach of the water raised to the lowest
-/// of them lowers; (c) flats that drain through members only. Two members are in one component if edges join them
+/// (thesis, Theorem 6.2), or where it lies below all that drains in reach, that a breach of the water raised to the
+/// lowest of it lowers; (c) flats that drain through members only. Two members are in one component if edges join them
 /// through members. Outlets are never members.
 ///
 /// Why components are independent. Let f be the levels of `lift`; f = h outside the members. By (c) each vertex r
@@ -50,6 +50,7 @@ struct BreachLimits {
       std::numeric_limits<double>::infinity();   ///< horizontally, from the pit to the goal [lattice units]
   std::uint64_t max_visits = ~std::uint64_t{0};  ///< vertices cheaper to reach than the goal
   std::uint64_t max_lake = ~std::uint64_t{0};    ///< vertices of a lake; larger ones are filled (see PitComponents)
+  std::uint64_t max_group = ~std::uint64_t{0};   ///< members of a component; larger ones are cut (see group_cut.h)
 };
 
 /// The terrain and what may be done to it. Spans may be empty where noted.
@@ -102,6 +103,7 @@ struct PitComponents {
   std::int64_t dearest_breach = 0;       ///< cost of the dearest of the breaches by themselves
   std::uint64_t num_unfinished = 0;      ///< pits whose search was ended by `max_visits`
   std::uint64_t num_unbreached = 0;      ///< of these, pits without a breach within the limits
+  std::uint64_t num_cut = 0;             ///< components that were cut before (group_cut.h)
   std::vector<std::uint32_t> pit_begin;  ///< [C + 1] pits of component i: pit[pit_begin[i] .. pit_begin[i + 1])
   std::vector<std::uint32_t> pit;        ///< smallest vertices of plateaus by (x, y), ascending by (height, x, y)
   std::vector<std::uint32_t> filled;     ///< vertices of filled lakes; their pits are not in the lists

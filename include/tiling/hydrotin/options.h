@@ -100,6 +100,7 @@ struct PitOptions {
   std::optional<double> max_breach_length_m;  ///< of one breach, horizontally; none: no limit
   std::optional<double> max_breach_depth_m;   ///< by which a vertex may be lowered; none: no limit
   std::uint64_t largest_lake = 200'000;       ///< vertices; larger lakes are raised, whatever the method
+  std::uint64_t largest_group = 100'000;      ///< vertices that hang together around pits; larger groups are cut
   KeepPits keep;
   std::optional<std::uint64_t> cheapest;  ///< removes only so many, those that are cheapest to lift together
   OutletPolicy outlets = OutletPolicy::hull;

@@ -268,6 +268,22 @@ TEST(Config, Errors_NameLineAndColumn) {
   EXPECT_EQ(config_error(kMinimal + "---\nrun: {}\n").find("a second YAML document") == std::string::npos, false);
 }
 
+TEST(Config, Subdatasets_CountFromTheFolderOfTheConfig) {
+  const TemporaryFolder folder;
+  const auto dem = [&](const std::string& name) {
+    return options_of(folder, "input: {dem: ['" + name + "']}\n").input.dem.at(0);
+  };
+  const std::string at = folder.path().string() + "/";
+  EXPECT_EQ(dem("NETCDF:a/dem.nc:z"), "NETCDF:" + at + "a/dem.nc:z");
+  EXPECT_EQ(dem("HDF5:\"dem.h5\"://group/z"), "HDF5:\"" + at + "dem.h5\"://group/z");
+  EXPECT_EQ(dem("GTIFF_DIR:2:dem.tif"), "GTIFF_DIR:2:" + at + "dem.tif");
+  EXPECT_EQ(dem("GTIFF_DIR:off:408:dem.tif"), "GTIFF_DIR:off:408:" + at + "dem.tif");
+  EXPECT_EQ(dem("GPKG:/data/t.gpkg:dem"), "GPKG:/data/t.gpkg:dem");
+  EXPECT_EQ(dem("NETCDF:/vsizip/a.zip/d.nc:z"), "NETCDF:/vsizip/a.zip/d.nc:z");
+  EXPECT_EQ(dem("dem:1.tif"), at + "dem:1.tif");
+  EXPECT_EQ(dem("A:dem.tif"), at + "A:dem.tif");
+}
+
 TEST(Config, Rivers_AreReadAndChecked) {
   const TemporaryFolder folder;
   const std::string lines = "input: {points: a.laz, rivers: r.gpkg}\n";

@@ -238,6 +238,64 @@ TEST(DemInput, IsTheCloudOfItsCells) {
 }
 
 // Units are ranges of rows, so that a large raster is shared and never whole in memory.
+// The same cells from a GeoTIFF and as variables of a netCDF file and pages of a TIFF; a file of several variables by
+// itself is refused.
+TEST(DemInput, SubdatasetsAreRasters) {
+  const TemporaryFolder folder;
+  GDALAllRegister();
+  GDALDriverH memory = GDALGetDriverByName("MEM");
+  const std::unique_ptr<void, decltype(&GDALClose)> source(GDALCreate(memory, "", 60, 50, 1, GDT_Float32, nullptr),
+                                                           GDALClose);
+  double frame[6] = {500000, 2, 0, 4000000, 0, -2};
+  GDALSetGeoTransform(source.get(), frame);
+  OGRSpatialReferenceH crs = OSRNewSpatialReference(nullptr);
+  OSRImportFromEPSG(crs, 32633);
+  GDALSetSpatialRef(source.get(), crs);
+  OSRDestroySpatialReference(crs);
+  std::vector<float> z(60 * 50);
+  for (std::size_t i = 0; i < z.size(); ++i) z[i] = static_cast<float>((i * 7919) % 1000) / 8;
+  ASSERT_EQ(
+      GDALRasterIO(GDALGetRasterBand(source.get(), 1), GF_Write, 0, 0, 60, 50, z.data(), 60, 50, GDT_Float32, 0, 0),
+      CE_None);
+  const auto copy = [&](const char* driver, const std::string& path, char** options) {
+    GDALDatasetH out =
+        GDALCreateCopy(GDALGetDriverByName(driver), path.c_str(), source.get(), FALSE, options, nullptr, nullptr);
+    ASSERT_NE(out, nullptr) << path;
+    GDALClose(out);
+  };
+  copy("GTiff", folder / "dem.tif", nullptr);
+  copy("netCDF", folder / "dem.nc", nullptr);
+  for (const char* table : {"first", "second"}) {
+    char** options = CSLSetNameValue(nullptr, "RASTER_TABLE", table);
+    options = CSLSetNameValue(options, "APPEND_SUBDATASET", std::string(table) == "first" ? "NO" : "YES");
+    options = CSLSetNameValue(options, "TILING_SCHEME", "CUSTOM");
+    copy("GPKG", folder / "two.gpkg", options);
+    CSLDestroy(options);
+  }
+  const auto result = [&](const std::string& name, const std::string& raster) {
+    PipelineOptions options = testing::options_for({}, folder / name);
+    options.input.dem = {raster};
+    options.tiles.target_points = 2'000;
+    options.run.workers = 2;
+    options.output.dem.enabled = options.output.mesh_ply = false;
+    return testing::run(options);
+  };
+  const DatasetSummary expected = result("tif", folder / "dem.tif");
+  EXPECT_EQ(expected.vertices, 3'000U);
+  for (const std::string& raster :
+       {"NETCDF:" + (folder / "dem.nc") + ":Band1", "NETCDF:\"" + (folder / "d*.nc") + "\":Band1",
+        "GTIFF_DIR:1:" + (folder / "dem.tif"), folder / "dem.nc", "GPKG:" + (folder / "two.gpkg") + ":second"})
+    EXPECT_EQ(result("sub", raster).fingerprint, expected.fingerprint) << raster;
+  EXPECT_NE(error_of([&] { (void)result("none", "NETCDF:" + (folder / "none.nc") + ":z"); }, ErrorKind::input)
+                .find("nothing matches"),
+            std::string::npos);
+  EXPECT_NE(
+      error_of([&] { (void)result("none", "NETCDF:" + (folder / "dem.nc") + ":no"); }, ErrorKind::input).find("dem.nc"),
+      std::string::npos);
+  EXPECT_NE(error_of([&] { (void)result("none", folder / "two.gpkg"); }, ErrorKind::input).find("subdatasets"),
+            std::string::npos);
+}
+
 TEST(DemInput, LargeRastersAreReadInRangesOfRows) {
   const TemporaryFolder folder;
   TestRaster raster;

@@ -457,6 +457,17 @@ TEST(TiledRivers, MethodsEqualTheWhole) {
   EXPECT_EQ(dp.at("method"), "dp");
   // At once out of time: each group by itself keeps flow and valleys, whatever the tiling.
   std::string fingerprint;
+  const Scene lakes = make_scene(folder, 13, 2'000, true);
+  for (const std::uint64_t target : {kEverything, std::uint64_t{1'000}}) {
+    PipelineOptions options = options_of(lakes, folder / ("lakes" + std::to_string(target)), target);
+    options.rivers.time_limit = 1e-9;
+    const DatasetSummary got = run(options);
+    EXPECT_TRUE(got.ok);
+    EXPECT_EQ(got.invalid_river_edges, 0U);
+    const auto rivers = nlohmann::json::parse(testing::bytes_of(options.output.dir + "/report.json")).at("rivers");
+    EXPECT_EQ(rivers.at("contradictions_by_constraint").count("lake"), 0U);
+    EXPECT_EQ(rivers.at("optimal"), false);
+  }
   for (const std::uint64_t target : {kEverything, std::uint64_t{1'000}}) {
     PipelineOptions options = options_of(scene, folder / ("limited" + std::to_string(target)), target);
     options.rivers.matching.direction = LineDirection::digitised;

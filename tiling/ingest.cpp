@@ -8,6 +8,7 @@
 
 #include "hydrotin/dem_points.h"
 #include "hydrotin/las.h"
+#include "hydrotin/raster_names.h"
 #include "phases.h"
 #include "store.h"
 
@@ -160,6 +161,8 @@ void ingest_cloud(const RunContext& context, const PlanFile& file, Buckets& buck
 
 DemSkips ingest_dem(const RunContext& context, const PlanFile& file, Buckets& buckets) {
   const InputOptions& input = context.options.input;
+  std::unique_lock<std::recursive_mutex> alone;
+  if (reads_through_hdf5(file.path)) alone = store::lock_library();
   DemFile dem(file.path, {input.dem_band, input.dem_nodata, input.dem_quantum_m});
   Batch batch;
   return dem.read(file.first_row, file.num_rows, [&](const DemBatch& cells) {

@@ -8,26 +8,36 @@
 #include "hydrotin/dem_points.h"
 #include "hydrotin/error.h"
 #include "hydrotin/las.h"
+#include "hydrotin/raster_names.h"
 
 namespace hydrotin {
 namespace {
 
-// Glob patterns of plain paths are expanded; /vsi paths are taken as they are.
+std::vector<std::string> glob_paths(const std::string& pattern, const std::string& key) {
+  glob_t found{};
+  const int status = ::glob(pattern.c_str(), GLOB_TILDE | GLOB_BRACE, nullptr, &found);
+  std::vector<std::string> out;
+  if (status == 0)
+    for (std::size_t i = 0; i < found.gl_pathc; ++i) out.emplace_back(found.gl_pathv[i]);
+  ::globfree(&found);
+  if (status != 0)
+    throw Error(ErrorKind::input,
+                key + ": nothing matches '" + pattern + "'; check the path, relative to the config file");
+  return out;
+}
+
+// Glob patterns of plain paths are expanded, also inside names of subdatasets; /vsi paths are taken as they are.
 std::vector<std::string> expand(const std::vector<std::string>& patterns, const std::string& key) {
   std::set<std::string> paths;
   for (const std::string& pattern : patterns) {
-    if (pattern.starts_with("/vsi")) {
+    const auto subdataset = key == "input.dem" ? parse_subdataset(pattern) : std::nullopt;
+    if (pattern.starts_with("/vsi") || (subdataset && subdataset->file.starts_with("/vsi"))) {
       paths.insert(pattern);
-      continue;
+    } else if (subdataset) {
+      for (const std::string& path : glob_paths(subdataset->file, key)) paths.insert(subdataset->with(path));
+    } else {
+      for (const std::string& path : glob_paths(pattern, key)) paths.insert(path);
     }
-    glob_t found{};
-    const int status = ::glob(pattern.c_str(), GLOB_TILDE | GLOB_BRACE, nullptr, &found);
-    if (status == 0)
-      for (std::size_t i = 0; i < found.gl_pathc; ++i) paths.insert(found.gl_pathv[i]);
-    ::globfree(&found);
-    if (status != 0)
-      throw Error(ErrorKind::input,
-                  key + ": nothing matches '" + pattern + "'; check the path, relative to the config file");
   }
   return {paths.begin(), paths.end()};
 }
@@ -56,6 +66,7 @@ PlanInput open_dem(const std::string& path, const InputOptions& options) {
   out.crs_wkt = h.crs_wkt;
   out.points = h.num_cells();
   out.files = h.files;
+  if (const auto subdataset = parse_subdataset(path)) out.files.push_back(subdataset->file);  // not all drivers say
   out.is_dem = true;
   out.num_columns = h.num_columns;
   out.num_rows = h.num_rows;

@@ -126,6 +126,10 @@ void write_text(hid_t object, const std::string& name, const std::string& text) 
 
 }  // namespace
 
+std::unique_lock<std::recursive_mutex> lock_library() {
+  return std::unique_lock(library());
+}
+
 struct Writer::Impl {
   std::string path, temporary;
   Handle file;

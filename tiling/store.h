@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <string_view>
@@ -20,6 +21,10 @@
 /// Threads  Different files may be used concurrently; one object by one thread at a time.
 
 namespace hydrotin::store {
+
+/// Keeps all of the store's calls into the HDF5 library out while alive, save those of this thread: for others who use
+/// the library.
+[[nodiscard]] std::unique_lock<std::recursive_mutex> lock_library();
 
 enum class Type : std::uint8_t { u8, i32, u32, i64, u64, f64 };
 

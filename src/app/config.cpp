@@ -9,6 +9,7 @@
 
 #include "hydrotin/crs.h"
 #include "hydrotin/error.h"
+#include "hydrotin/raster_names.h"
 #include "river_measures.h"
 
 namespace hydrotin::app {
@@ -121,11 +122,17 @@ std::string resolved(const std::filesystem::path& folder, const std::string& pat
   return (folder / path).lexically_normal().string();  // an absolute path stays what it is
 }
 
+// The same for rasters, which may be subdatasets of files.
+std::string resolved_raster(const std::filesystem::path& folder, const std::string& name) {
+  const auto subdataset = parse_subdataset(name);
+  return subdataset ? subdataset->with(resolved(folder, subdataset->file)) : resolved(folder, name);
+}
+
 // Rasters whose cells are points.
 void read_dem_input(const Reader& input, const std::filesystem::path& folder, InputOptions& options) {
   const std::string patterns = "a list of rasters or patterns";
   if (const Reader dem = input.at("dem"); dem.is_given()) {
-    for (const Reader& item : dem.list(patterns)) options.dem.push_back(resolved(folder, item.text(patterns)));
+    for (const Reader& item : dem.list(patterns)) options.dem.push_back(resolved_raster(folder, item.text(patterns)));
     if (options.dem.empty()) dem.refuse(patterns + " that is not empty");
   }
   if (const Reader band = input.at("dem_band"); band.is_given())

@@ -313,19 +313,26 @@ class Solver {
     for (std::size_t v = 0; v < d_.size(); ++v) d_[v] += share * (burned[v] - d_[v]);
   }
 
-  // Lowers whole networks: the drops between river vertices as the declines ask, all of them below their wingtips.
+  // Lowers whole networks: the drops between river vertices as the declines ask, all of them below their wingtips. A
+  // lake is one vertex of its network.
   [[nodiscard]] std::vector<double> burn() const {
     std::vector<double> potential(d_.size(), 0), lowered(d_.size(), 0);
     raise_upstream(potential);
-    const RiverNetworks networks = connect_networks(terrain_, edges_);
+    std::vector<RiverEdge> bonds = edges_;
+    for (const Lake& lake : options_.constraints.lakes)
+      for (const std::uint32_t v : lake.vertex) {
+        potential[v] = potential[lake.vertex[0]];
+        if (v != lake.vertex[0]) bonds.push_back({lake.vertex[0], v});
+      }
+    const RiverNetworks networks = connect_networks(terrain_, bonds);
     std::vector<double> level(networks.num_networks, std::numeric_limits<double>::infinity());
     std::unordered_map<std::uint32_t, std::uint32_t> network_of;
-    for (std::size_t e = 0; e < edges_.size(); ++e)
-      for (const std::uint32_t v : {edges_[e].from, edges_[e].to}) network_of.emplace(v, networks.network[e]);
+    for (std::size_t e = 0; e < bonds.size(); ++e)
+      for (const std::uint32_t v : {bonds[e].from, bonds[e].to}) network_of.emplace(v, networks.network[e]);
     for (const auto& [v, network] : network_of)
       level[network] = std::min(level[network], terrain_.height[v] - potential[v]);
     for (const Row& row : catalog_.listed()) {
-      if (row.kind != RowKind::valley || catalog_.is_river(row.vertex[0])) continue;
+      if (row.kind != RowKind::valley || network_of.contains(row.vertex[0])) continue;
       // h_w >= level + (1 - t) g_from + t g_to + side slope, all divided by the row's scale.
       const double scale = 1 / row.coefficient[0];
       const double g = -(row.coefficient[1] * potential[row.vertex[1]] + row.coefficient[2] * potential[row.vertex[2]]);
@@ -342,12 +349,21 @@ class Solver {
     std::unordered_map<std::uint32_t, std::uint32_t> open;  // edges down that are not yet used
     std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> above;
     std::vector<std::uint32_t> ready;
+    std::unordered_map<std::uint32_t, std::uint32_t> lake_of;  // its first vertex stands for a lake
+    for (const Lake& lake : options_.constraints.lakes)
+      for (const std::uint32_t v : lake.vertex) lake_of.emplace(v, lake.vertex[0]);
+    const auto top = [&](std::uint32_t v) {
+      const auto found = lake_of.find(v);
+      return found != lake_of.end() ? found->second : v;
+    };
     for (std::uint32_t e = 0; e < edges_.size(); ++e) {
-      ++open[edges_[e].from];
-      above[edges_[e].to].push_back(e);
+      const std::uint32_t from = top(edges_[e].from), to = top(edges_[e].to);
+      if (from == to) continue;
+      ++open[from];
+      above[to].push_back(e);
     }
     for (const auto& edge : edges_)
-      if (!open.contains(edge.to)) ready.push_back(edge.to);
+      if (!open.contains(top(edge.to))) ready.push_back(top(edge.to));
     std::sort(ready.begin(), ready.end());
     ready.erase(std::unique(ready.begin(), ready.end()), ready.end());
     while (!ready.empty()) {
@@ -356,7 +372,7 @@ class Solver {
       const auto found = above.find(v);
       if (found == above.end()) continue;
       for (const std::uint32_t e : found->second) {
-        const std::uint32_t u = edges_[e].from;
+        const std::uint32_t u = top(edges_[e].from);
         potential[u] = std::max(potential[u], potential[v] + (e < rivers_.size() ? catalog_.decline()[e] : 0.0) +
                                                   2 * (options_.quantum + kPoolTolerance));
         if (--open[u] == 0) ready.push_back(u);

@@ -288,7 +288,8 @@ TEST(Config, Rivers_AreReadAndChecked) {
                  "side_slope: 0.01, contiguous: 3, triangle_directions: 4, max_triangle_slope_change: 0.2, "
                  "flow: true, valley: false, river_only: true, match: insert, use_z: true, direction: "
                  "attribute, direction_field: way, reversed_values: [up, -1], name_field: name, "
-                 "lake_level_field: z, crs: EPSG:3358}\n")
+                 "lake_level_field: z, crs: EPSG:3358, points_out: gpkg, "
+                 "time_limit: 2.5, preserve_edges: e.shp, preserve: both}\n")
           .rivers;
   EXPECT_EQ(full.lakes, "/data/l.shp");
   EXPECT_EQ(full.constraints.decline_measure, DeclineMeasure::slope);
@@ -312,6 +313,23 @@ TEST(Config, Rivers_AreReadAndChecked) {
   EXPECT_EQ(full.name_field, "name");
   EXPECT_EQ(full.lake_level_field, "z");
   EXPECT_EQ(full.crs, "EPSG:3358");
+  EXPECT_EQ(full.points_out, PointsFile::gpkg);
+  EXPECT_EQ(plain.points_out, PointsFile::none);
+  EXPECT_EQ(full.time_limit, 2.5);
+  EXPECT_EQ(full.preserve_edges, (folder / "e.shp").string());
+  EXPECT_TRUE(full.preserve_drainage && full.preserve_curvature);
+  EXPECT_TRUE(plain.preserve_edges.empty() && plain.time_limit == 0 && plain.method == RiverMethod::lp);
+  EXPECT_EQ(options_of(folder, lines + "rivers: {method: dp, decline: 1%}\n").rivers.method, RiverMethod::dp);
+  EXPECT_EQ(
+      config_error(lines + "rivers: {method: dp, contiguous: exact}\n"),
+      "c.yaml:2:18: rivers.method: dp moves river vertices for flow, valley, decline and side slope only, and ends "
+      "by itself, so not with rivers.contiguous (leave that out, or give lp)");
+  EXPECT_EQ(config_error(lines + "rivers: {method: dp, flow: false}\n").find("rivers.flow") == std::string::npos,
+            false);
+  EXPECT_EQ(config_error(lines + "rivers: {preserve: both}\n"),
+            "c.yaml:2:20: rivers.preserve: there are no edges (give rivers.preserve_edges)");
+  EXPECT_EQ(config_error(lines + "rivers: {time_limit: 0}\n"),
+            "c.yaml:2:22: rivers.time_limit: '0' is not possible (allowed: seconds, above 0)");
   EXPECT_EQ(options_of(folder, lines + "rivers: {variant: VF}\n").rivers.constraints.decline_measure,
             DeclineMeasure::none);
 

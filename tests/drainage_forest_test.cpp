@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <set>
 #include <tuple>
 
 #include "clouds.h"
+#include "grid_terrain.h"
+#include "hydrotin/vertex_graph.h"
 
 namespace hydrotin {
 namespace {
@@ -140,6 +143,58 @@ TEST(TreeRegression, LargeTreesAgreeWithAnExchangeOfSingleBlocks) {
       }
       EXPECT_EQ(own, best) << level;
     }
+  }
+}
+
+// The forest by its definition, with a sorted set in place of the queue: on surfaces with flats, where members are
+// reached after their turn, up to sizes at which the queue has all its levels.
+TEST(ForestFinder, TakesMembersInTheOrderOfItsDefinition) {
+  for (const std::uint32_t side : {1u, 2u, 3u, 9u, 70u, 520u}) {
+    SCOPED_TRACE(side);
+    const testing::GridTerrain grid = testing::make_grid(side, side, side, 10, 3);
+    const VertexGraph graph = make_vertex_graph(grid.num_vertices(), grid.triangle);
+    const std::uint32_t k = grid.num_vertices();
+    Random random(side);
+    DrainageProblem problem;
+    problem.begin.assign(graph.begin.begin(), graph.begin.end());
+    for (std::uint32_t v = 0; v < k; ++v) {
+      const auto neighbors = graph.neighbors(v);
+      problem.neighbor.insert(problem.neighbor.end(), neighbors.begin(), neighbors.end());
+      std::sort(problem.neighbor.end() - static_cast<std::ptrdiff_t>(neighbors.size()), problem.neighbor.end());
+      problem.height.push_back(random.between(0, 20));
+      problem.exit.push_back(v == 0 || random.below(50) == 0 ? random.between(0, 20) : kNoLevel);
+    }
+    const Surface surface = lift(problem, problem.height);
+    DrainageForest forest;
+    ForestFinder finder(problem);
+    finder.run(Surface(k, 20), forest);  // one finder serves many surfaces
+    finder.run(surface, forest);
+
+    using Place = std::tuple<std::int32_t, std::int32_t, std::uint32_t>;
+    const auto place = [&](std::uint32_t v) { return Place(surface[v], problem.height[v], v); };
+    std::vector<std::uint32_t> order, parent(k, kRoot);
+    std::vector<bool> is_reached(k), is_done(k);
+    std::set<Place> queue;
+    for (std::uint32_t v = 0; v < k; ++v)
+      if (problem.exit[v] <= surface[v]) is_reached[v] = true, queue.insert(place(v));
+    while (!queue.empty()) {
+      const std::uint32_t v = std::get<2>(*queue.begin());
+      queue.erase(queue.begin());
+      is_done[v] = true;
+      order.push_back(v);
+      for (const std::uint32_t w : problem.neighbors(v)) {
+        if (is_done[w] || surface[w] < surface[v]) continue;
+        if (!is_reached[w]) {
+          is_reached[w] = true;
+          parent[w] = v;
+          queue.insert(place(w));
+        } else if (parent[w] == kRoot && surface[v] < problem.exit[w]) {
+          parent[w] = v;
+        }
+      }
+    }
+    EXPECT_EQ(forest.order, order);
+    EXPECT_EQ(forest.parent, parent);
   }
 }
 

@@ -133,7 +133,7 @@ TEST(EmbedCommand, BadInput_GetsAClearError) {
   expect(tin + "--contiguous many", 2, "--contiguous");
   expect(tin + "--quantum -1", 2, "--quantum");
   expect(tin + "--method simplex", 2, "--method");
-  expect(tin + "--method dp --quantum 1", 2, "--quantum");
+  expect(tin + "--method dp --time-limit 1", 2, "--time-limit");
   expect("none.ply --river-edges rivers.csv", 3, "none.ply");
   expect("tin.ply --river-edges none.csv", 3, "none.csv");
   write_text(folder / "rivers.csv", "from,to\n0,99\n");

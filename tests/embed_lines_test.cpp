@@ -223,6 +223,49 @@ TEST(EmbedLines, MoreConstraintsHold) {
   EXPECT_FALSE(run(folder, "--preserve-edges edges.csv --preserve both").is_null());
 }
 
+/// The height of w over the line of the edge: on which side a triangle is.
+double side_of(const Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t w) {
+  const auto &p = mesh.vertex[a], &q = mesh.vertex[b], &r = mesh.vertex[w];
+  const double x = q[0] - p[0], y = q[1] - p[1], size = x * x + y * y;
+  const double t = ((r[0] - p[0]) * x + (r[1] - p[1]) * y) / size;
+  return r[2] - ((1 - t) * p[2] + t * q[2]);
+}
+
+// Edges that inserted lines leave keep their type, those cut are counted.
+TEST(EmbedLines, PreservedEdges_KeepTheirTypeWithInsertedLines) {
+  const TemporaryFolder folder;
+  const Mesh mesh = valley(3, 34);
+  write_ply(folder / "tin.ply", mesh.vertex, mesh.triangle, "EPSG:32632");
+  write_text(folder / "rivers.geojson", rivers_json(false));
+  std::string edges = "a,b\n";
+  for (std::size_t t = 0; t < mesh.triangle.size(); t += 4)
+    edges += std::to_string(mesh.triangle[t][0]) + "," + std::to_string(mesh.triangle[t][1]) + "\n";
+  write_text(folder / "edges.csv", edges);
+  const std::string base = "tin.ply --rivers rivers.geojson --match insert --variant VFR --decline 1% ";
+  ASSERT_EQ(embed(folder, base + "--no-flow --no-valley --out before.ply").code, 0);
+  ASSERT_EQ(embed(folder, base + "--out free.ply").code, 0);
+  const Outcome outcome = embed(folder, base + "--preserve-edges edges.csv --out kept.ply --json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("edges to be preserved were cut by inserted lines"), std::string::npos) << outcome.err;
+  EXPECT_TRUE(json::parse(outcome.out).at("broken").empty());
+  const Mesh before = read_mesh(folder / "before.ply"), loose = read_mesh(folder / "free.ply"),
+             kept = read_mesh(folder / "kept.ply");
+  ASSERT_EQ(before.triangle, kept.triangle);
+  std::size_t sides = 0, changed = 0;
+  for (std::size_t e = 0; e < mesh.triangle.size(); e += 4)
+    for (const auto& t : before.triangle)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::uint32_t a = t[i], b = t[(i + 1) % 3], w = t[(i + 2) % 3];
+        if (std::minmax(a, b) != std::minmax(mesh.triangle[e][0], mesh.triangle[e][1])) continue;
+        const double then = side_of(before, a, b, w), now = side_of(kept, a, b, w), freely = side_of(loose, a, b, w);
+        ++sides;
+        changed += (then > 1e-6 && freely < -1e-6) || (then < -1e-6 && freely > 1e-6) ? 1 : 0;
+        EXPECT_FALSE((then > 1e-6 && now < -1e-6) || (then < -1e-6 && now > 1e-6)) << a << " " << b << " " << w;
+      }
+  EXPECT_GT(sides, 500U);
+  EXPECT_GT(changed, 0U);
+}
+
 TEST(EmbedLines, BadInput_GetsAClearError) {
   const TemporaryFolder folder;
   const Mesh mesh = valley(3, 34);
@@ -249,7 +292,7 @@ TEST(EmbedLines, BadInput_GetsAClearError) {
   expect(tin + "--use-z", 2, "--use-z");
   expect(tin + "--fill breach", 2, "--fill");
   expect(tin + "--outlets nowhere.csv", 2, "--outlets");
-  expect(tin + "--method dp", 2, "--method");
+  expect(tin + "--method dp --max-change 1", 2, "--method");
   expect(tin + "--points-out points.txt", 2, "--points-out");
   expect(tin + "--lake-level level", 2, "--lake-level");
   expect("tin.ply --river-edges e.csv --match insert", 2, "--match");

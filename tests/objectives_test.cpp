@@ -228,7 +228,7 @@ TEST(Objectives, TiesAndLinearProgramAgree) {
         const auto ties = solve(terrain, k, {.objectives = {objective}, .method = ComponentMethod::ties});
         if (ties.components == 0 || ties.max_components > 5) continue;
         ++compared;
-        with_many += ties.max_components > 2;  // then programs share what no other tie changes
+        with_many += ties.max_components > 2;
         const auto linear = solve(terrain, k, {.objectives = {objective}, .method = ComponentMethod::linear_program});
         EXPECT_TRUE(linear.optimal || objective == Objective::local_minima);
         if (objective == Objective::local_minima) {

@@ -1,6 +1,7 @@
 hydrotin_test(optimize_test SOURCES optimize_test.cpp DEPENDS optimize)
 hydrotin_test(objectives_test SOURCES objectives_test.cpp DEPENDS optimize)
 hydrotin_test(simple_polygon_test SOURCES simple_polygon_test.cpp DEPENDS optimize)
+hydrotin_test(tie_ways_test SOURCES tie_ways_test.cpp DEPENDS optimize terrain)
 hydrotin_test(linear_program_test SOURCES linear_program_test.cpp DEPENDS optimize)
 target_include_directories(linear_program_test PRIVATE ${PROJECT_SOURCE_DIR}/src/optimize)
 hydrotin_test(traps_test SOURCES traps_test.cpp DEPENDS optimize)

@@ -2,5 +2,5 @@
 find_package(Threads REQUIRED)
 if(HYDROTIN_BENCHMARKS)
   add_executable(orderk_benchmark EXCLUDE_FROM_ALL orderk_benchmark.cpp)
-  target_link_libraries(orderk_benchmark PRIVATE plain_delaunay hydrotin::optimize hydrotin::options Threads::Threads)
+  target_link_libraries(orderk_benchmark PRIVATE plain_delaunay hydrotin::optimize hydrotin::terrain hydrotin::options Threads::Threads)
 endif()

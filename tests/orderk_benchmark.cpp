@@ -20,9 +20,13 @@
 #include "clouds.h"
 #include "hydrotin/hilbert.h"
 #include "hydrotin/polygon_batch.h"
+#include "hydrotin/synthetic.h"
 #include "plain_delaunay.h"
 
-// Time, instructions and memory of what follows the Delaunay triangulation, stage by stage, one thread.
+// Time, instructions and memory of what follows the Delaunay triangulation, stage by stage, one thread. Clouds:
+// `uniform`; `scanlines`, two strips whose lines grow with the cloud, as sqrt(n); `swaths`, lines of 250 m however
+// large the cloud is, as an aircraft leaves them: with these and `uniform` n alone grows, with `scanlines` the polygons
+// do as well.
 
 namespace {
 
@@ -122,9 +126,28 @@ struct Cloud {
   std::vector<std::int32_t> height;
 };
 
-Cloud make(CloudKind kind, std::size_t n) {
+constexpr const char* kSwaths = "swaths";
+
+std::vector<LatticePoint> swath_points(std::size_t n) {
+  SyntheticOptions options;
+  options.kind = SyntheticKind::scanline;
+  options.num_points = n;
+  const SyntheticTerrain terrain(options);
+  std::vector<LatticePoint> position;
+  position.reserve(n + n / 8);
+  terrain.points_in(terrain.box(), [&](std::span<const SyntheticPoint> batch) {
+    for (const SyntheticPoint& point : batch) position.push_back({point.x, point.y});
+  });
+  const LatticePoint corner = terrain.box().min;
+  for (LatticePoint& p : position) p = {p.x - corner.x, p.y - corner.y};
+  return position;
+}
+
+Cloud make(const std::string& name, std::size_t n) {
   Cloud cloud;
-  cloud.position = distinct(make_cloud(kind, 1, n, 300));
+  for (const CloudKind kind : {CloudKind::uniform, CloudKind::scanlines})
+    if (name == name_of(kind)) cloud.position = distinct(make_cloud(kind, 1, n, 300));
+  if (name == kSwaths) cloud.position = distinct(swath_points(n));
   std::vector<std::pair<std::uint64_t, LatticePoint>> order;
   for (const LatticePoint p : cloud.position) order.emplace_back(hilbert_key(p), p);
   std::sort(order.begin(), order.end());
@@ -233,14 +256,14 @@ double total(const Report& report) {
   return sum;
 }
 
-void measure(CloudKind kind, std::size_t n, const std::vector<int>& orders, int repeats, int num_workers) {
-  const Cloud cloud = make(kind, n);
+void measure(const std::string& name, std::size_t n, const std::vector<int>& orders, int repeats, int num_workers) {
+  const Cloud cloud = make(name, n);
   n = cloud.position.size();
   const double plain = plain_seconds(cloud), per = 1e6 / static_cast<double>(n);
   const Triangulation owner = delaunay(cloud.position);
   const TriangulationView tri = owner.view();
   const VertexLinks links = vertex_links(tri);
-  std::printf("%s, %zu points, B' %.3f us a vertex\n", name_of(kind), n, plain * per);
+  std::printf("%s, %zu points, B' %.3f us a vertex\n", name.c_str(), n, plain * per);
   for (const int k : orders) {
     std::vector<Report> reports;
     for (int i = 0; i < repeats; ++i) reports.push_back(run(tri, links, cloud.height, k, num_workers));
@@ -268,15 +291,15 @@ int main(int argc, char** argv) {
   double n = 1e6;
   int repeats = 3, workers = 1;
   std::vector<int> orders{1, 2, 3, 4};
-  std::vector<CloudKind> kinds{CloudKind::uniform, CloudKind::scanlines};
+  std::vector<std::string> clouds{"uniform", "scanlines", "swaths"};
   for (int i = 1; i + 1 < argc; i += 2) {
     if (!std::strcmp(argv[i], "--points")) n = std::atof(argv[i + 1]);
     if (!std::strcmp(argv[i], "--repeats")) repeats = std::atoi(argv[i + 1]);
     if (!std::strcmp(argv[i], "--workers")) workers = std::atoi(argv[i + 1]);
     if (!std::strcmp(argv[i], "--order")) orders = {std::atoi(argv[i + 1])};
     if (!std::strcmp(argv[i], "--cloud"))
-      std::erase_if(kinds, [&](CloudKind c) { return std::string(argv[i + 1]) != name_of(c); });
+      std::erase_if(clouds, [&](const std::string& name) { return name != argv[i + 1]; });
   }
-  for (const CloudKind kind : kinds) measure(kind, static_cast<std::size_t>(n), orders, repeats, workers);
+  for (const std::string& name : clouds) measure(name, static_cast<std::size_t>(n), orders, repeats, workers);
   return 0;
 }

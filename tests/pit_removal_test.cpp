@@ -409,6 +409,38 @@ TEST(PitRemoval, LimitedSearchesOpenTheRimOfDeepLakes) {
 }
 
 // Deep lakes with searches that end early: still no pit, still the same in every numbering, still never above lifting.
+// A lake whose bottom lies below all outlets, so that no breach empties it. Two gorges lead away from its saddle: the
+// steeper one to a high outlet, the other to the lowest. Deepening that one to its outlet and raising the lake as far
+// is a surface that drains: limited searches find none dearer.
+TEST(PitRemoval, LimitedSearchesDeepenTheWayOutOfLakesBelowAllOutlets) {
+  GridTerrain grid = make_grid(1, 40, 24, 100, 20);
+  grid.height.assign(grid.num_vertices(), 2000);
+  std::int64_t lifted = 0, deepened = 0;  // displacements
+  for (std::uint32_t y = 3; y < 21; ++y)
+    for (std::uint32_t x = 3; x < 21; ++x) {
+      const auto depth = static_cast<std::int32_t>((7 * x + 3 * y) % 5);
+      grid.height[grid.at[y * 40 + x]] = 5 - depth;
+      lifted += 995 + depth, deepened += 481 + depth;
+    }
+  for (std::uint32_t x = 21; x < 40; ++x) {
+    const std::int32_t z = x == 21 ? 1000 : static_cast<std::int32_t>(1383 - 23 * x);
+    grid.height[grid.at[12 * 40 + x]] = z;
+    deepened += z - 486;
+  }
+  for (std::uint32_t y = 0; y < 12; ++y) grid.height[grid.at[y * 40 + 22]] = static_cast<std::int32_t>(700 + 10 * y);
+  const Sample s = sample_of(grid, testing::hull_flags(grid));
+  RemovalOptions options;
+  options.limits.max_visits = 20;
+  options.method = RemovalMethod::lift;
+  EXPECT_GE(remove_pits(s.view(ChangeMeasure::total), options).cost, lifted);
+  for (const RemovalMethod method : {RemovalMethod::breach, RemovalMethod::least_change}) {
+    options.method = method;
+    const Removal removal = remove_pits(s.view(ChangeMeasure::total), options);
+    EXPECT_LE(removal.cost, deepened);
+    EXPECT_TRUE(oracle::has_no_pit(s.around, removal.height, s.is_outlet));
+  }
+}
+
 TEST(PitRemoval, LimitedSearchesKeepThePromises) {
   std::uint64_t num_unfinished = 0;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {

@@ -350,7 +350,7 @@ TEST(RiverBurning, Objective_EqualsTheProgramWithRiverVerticesOnly) {
     options.constraints.river_only = true;
     options.constraints.side_slope = seed % 5 == 0 ? 0.02 : 0;
     const auto decline = fractional_declines(terrain.view(), terrain.rivers, seed % 2 == 0 ? 0 : 0.1);
-    const Burning burning = burn_rivers(terrain.view(), terrain.rivers, decline, options.constraints.side_slope);
+    const Burning burning = burn_rivers(terrain.view(), terrain.rivers, {decline, options.constraints.side_slope});
     const Embedding program = embed_rivers(terrain.view(), terrain.rivers, options);
     if (burning.fault == BurningFault::infeasible) {
       ++infeasible;
@@ -368,10 +368,52 @@ TEST(RiverBurning, Objective_EqualsTheProgramWithRiverVerticesOnly) {
   EXPECT_GT(solved, 200);
 }
 
+// Chains ask for less than rivers; margins of a quantum are those of the program.
+TEST(RiverBurning, ChainsAndQuantum_EqualTheProgramWithRiverVerticesOnly) {
+  int solved = 0, with_chains = 0;
+  for (std::uint32_t seed = 0; seed < 200; ++seed) {
+    SCOPED_TRACE(seed);
+    TestTerrain terrain = random_terrain(seed, 15 + seed % 90, false);
+    add_rivers(terrain, seed, 1 + seed % 6, 4 + seed % 14, true);
+    EmbeddingOptions options;
+    options.constraints = variants()[seed % 2];
+    options.constraints.river_only = true;
+    options.quantum = seed % 4 == 0 ? 0 : 0.01;
+    for (double& h : terrain.height)
+      if (options.quantum > 0) h = std::round(h / options.quantum) * options.quantum;
+    std::vector<std::uint32_t> has_down(terrain.height.size(), 0);
+    for (const auto& edge : terrain.rivers) has_down[edge.from] = 1;
+    std::vector<RiverEdge> rivers;
+    for (const auto& edge : terrain.rivers)
+      (has_down[edge.to] == 0 && seed % 3 != 0 ? options.constraints.chain : rivers).push_back(edge);
+    if (rivers.empty()) continue;
+    const BurnedEmbedding burned = embed_by_burning(terrain.view(), rivers, options);
+    if (burned.fault != BurningFault::none) continue;
+    const Embedding program = embed_rivers(terrain.view(), rivers, options);
+    ++solved;
+    with_chains += options.constraints.chain.empty() ? 0 : 1;
+    EXPECT_NEAR(burned.embedding.bound, program.bound, 1e-5 * std::max(1.0, program.bound));
+    EXPECT_EQ(burned.embedding.columns, burned.embedding.touched.size());
+    const auto after =
+        river_statistics(terrain.view(), rivers, burned.embedding.height, options.quantum > 0 ? 0 : 1e-9);
+    EXPECT_EQ(after.wrong_flow + after.not_valley, 0u);
+    for (const auto& [from, to] : options.constraints.chain)
+      EXPECT_GE(burned.embedding.height[from], burned.embedding.height[to] - (options.quantum > 0 ? 0 : 1e-9));
+    // A part without all triangles says so.
+    std::vector<std::uint8_t> complete(terrain.height.size(), 1);
+    complete[rivers[0].to] = 0;
+    options.is_complete = complete;
+    EXPECT_EQ(embed_by_burning(terrain.view(), rivers, options).embedding.incomplete,
+              std::vector<std::uint32_t>{rivers[0].to});
+  }
+  EXPECT_GT(solved, 120);
+  EXPECT_GT(with_chains, 40);
+}
+
 TEST(RiverBurning, Faults_AreNamed) {
   TestTerrain terrain = one_edge(5, 1, 2, 3, 4);
   const auto fault = [&](const std::vector<RiverEdge>& rivers) {
-    return burn_rivers(terrain.view(), rivers, std::vector<double>(rivers.size(), 0.0), 0).fault;
+    return burn_rivers(terrain.view(), rivers, {std::vector<double>(rivers.size(), 0.0)}).fault;
   };
   EXPECT_EQ(fault({{0, 1}}), BurningFault::none);
   EXPECT_EQ(fault({{0, 1}, {0, 2}}), BurningFault::not_a_forest);

@@ -6,7 +6,9 @@
 #include <queue>
 #include <vector>
 
+#include "fractal_heights.h"
 #include "grid_terrain.h"
+#include "hydrotin/change_bound.h"
 #include "hydrotin/contour_tree.h"
 #include "hydrotin/lifting.h"
 #include "hydrotin/pit_hierarchy.h"
@@ -19,10 +21,13 @@
 
 // Speed of the terrain room, one thread, items = vertices or triangles. Arguments: side of the square grid (n =
 // side^2), noise in lattice units (0: drained hills with few pits, 200: heavily pitted; -30, -100: the mountains of
-// synthetic.h with white noise of that many units).
+// synthetic.h with white noise of that many units; kFractal: mountains rough at all scales, 4 to 5 % of the vertices
+// are pits, of all sizes).
 
 namespace hydrotin::testing {
 namespace {
+
+constexpr std::int64_t kFractal = 5;
 
 struct Scene {
   GridTerrain grid;
@@ -49,14 +54,21 @@ std::vector<std::int32_t> mountain_heights(const GridTerrain& grid, double noise
   return height;
 }
 
+std::vector<std::int32_t> heights_of(const GridTerrain& grid, std::int64_t side, std::int64_t noise) {
+  if (noise == kFractal)
+    return fractal_heights(7, grid.position,
+                           {.wavelength = 50.0 * static_cast<double>(side), .finest = 100, .persistence = 0.65});
+  if (noise < 0) return mountain_heights(grid, static_cast<double>(-noise));
+  return relief_heights(1, grid.position, 30000, 30000, static_cast<std::int32_t>(noise));
+}
+
 const Scene& scene(std::int64_t side, std::int64_t noise) {
   static Scene s;
   static std::int64_t made_side = 0, made_noise = -1;
   if (side != made_side || noise != made_noise) {
     const auto length = static_cast<std::uint32_t>(side);
     s.grid = make_grid(1, length, length, 100, 30);
-    s.grid.height = noise < 0 ? mountain_heights(s.grid, static_cast<double>(-noise))
-                              : relief_heights(1, s.grid.position, 30000, 30000, static_cast<std::int32_t>(noise));
+    s.grid.height = heights_of(s.grid, side, noise);
     s.graph = make_vertex_graph(s.grid.num_vertices(), s.grid.triangle);
     s.hull = hull_flags(s.grid);
     made_side = side;
@@ -140,26 +152,40 @@ void BM_pit_hierarchy(benchmark::State& state) {
   set_vertices(state, s);
 }
 
-// Counters: total displacement and its ratio to lifting.
-void remove_all(benchmark::State& state, RemovalMethod method) {
-  const Scene& s = scene(state.range(0), state.range(1));
+double cost_by(const Scene& s, RemovalOptions options) {
   const ChangeableTerrain terrain{&s.graph, s.grid.height, s.grid.position, s.hull, {}, {}, {}};
+  return static_cast<double>(remove_pits(terrain, options).cost);
+}
+
+// Counters: number of pits, total displacement, its ratio to lifting, and a ratio that no surface can be below.
+void remove_all(benchmark::State& state, RemovalMethod method, std::uint64_t max_visits) {
+  const Scene& s = scene(state.range(0), state.range(1));
   RemovalOptions options;
-  options.limits.max_visits = kScalableVisits;
+  options.limits.max_visits = max_visits;
   options.method = RemovalMethod::lift;
-  const auto lifted = static_cast<double>(remove_pits(terrain, options).cost);
+  const double lifted = cost_by(s, options);
   options.method = method;
   double cost = 0;
-  for (auto _ : state) cost = static_cast<double>(remove_pits(terrain, options).cost);
+  for (auto _ : state) cost = cost_by(s, options);
   set_vertices(state, s);
+  state.counters["pits"] = static_cast<double>(count_pits(s.graph, s.grid.height, s.hull));
   state.counters["total"] = cost;
   state.counters["of_lifting"] = cost / lifted;
+  const ChangeableTerrain terrain{&s.graph, s.grid.height, s.grid.position, s.hull, {}, {}, {}};
+  const auto level = lift(s.graph, s.grid.height, s.hull);
+  state.counters["bound"] = static_cast<double>(change_bound(terrain, level, options.measure)) / lifted;
 }
 void BM_breach(benchmark::State& state) {
-  remove_all(state, RemovalMethod::breach);
+  remove_all(state, RemovalMethod::breach, kScalableVisits);
 }
 void BM_least_change(benchmark::State& state) {
-  remove_all(state, RemovalMethod::least_change);
+  remove_all(state, RemovalMethod::least_change, kScalableVisits);
+}
+void BM_breach_unlimited(benchmark::State& state) {
+  remove_all(state, RemovalMethod::breach, BreachLimits().max_visits);
+}
+void BM_least_change_unlimited(benchmark::State& state) {
+  remove_all(state, RemovalMethod::least_change, BreachLimits().max_visits);
 }
 
 void BM_count_pits(benchmark::State& state) {
@@ -234,6 +260,7 @@ void BM_drain(benchmark::State& state) {
 void sizes(benchmark::internal::Benchmark* b) {
   for (const int noise : {0, 200, -30, -100})
     for (const int side : {300, 1000, 3162}) b->Args({side, noise});
+  for (const int side : {350, 1000, 3162}) b->Args({side, kFractal});
   b->Unit(benchmark::kMillisecond);
 }
 
@@ -243,6 +270,8 @@ BENCHMARK(BM_lift)->Apply(sizes);
 BENCHMARK(BM_lift_lowest)->Apply(sizes);
 BENCHMARK(BM_breach)->Apply(sizes);
 BENCHMARK(BM_least_change)->Apply(sizes);
+BENCHMARK(BM_breach_unlimited)->Apply(sizes);
+BENCHMARK(BM_least_change_unlimited)->Apply(sizes);
 BENCHMARK(BM_contour_tree)->Apply(sizes);
 BENCHMARK(BM_pit_hierarchy)->Apply(sizes);
 BENCHMARK(BM_count_pits)->Apply(sizes);

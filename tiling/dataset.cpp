@@ -92,6 +92,9 @@ void read_river_arrays(const store::Reader& in, TerrainTile& out) {
   out.river_edge = in.read<std::uint32_t>("river_edge");
   out.added_triangle = in.read<std::uint32_t>("added_triangle");
   static_cast<void>(in.read<std::uint32_t>("invalid_river_edge"));
+  static_cast<void>(in.read<std::uint32_t>("no_valley_edge"));
+  if (in.read<std::uint32_t>("river_source").size() != in.read<double>("steepest_way").size())
+    contradicts(in.path(), "its sources of rivers and their slopes have different lengths");
   const auto is_beyond = [&](std::uint32_t v) { return v >= out.num_vertices(); };
   if (moved.size() != height.size() || out.river_edge.size() % 2 != 0 ||
       std::any_of(moved.begin(), moved.end(), is_beyond) ||

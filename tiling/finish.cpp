@@ -10,7 +10,7 @@
 #include "phases.h"
 #include "pit_options.h"
 #include "reduced_store.h"
-#include "river_edges.h"
+#include "river_state.h"
 #include "river_store.h"
 #include "settled_heights.h"
 #include "surface.h"
@@ -188,38 +188,29 @@ void write_pits_before(const RunContext& context, std::uint32_t tile, const Part
 void write_rivers(const RunContext& context, const Part& part, std::span<const std::int32_t> height,
                   store::Writer& out) {
   if (!context.rivers) return;
-  std::vector<std::uint32_t> moved, edge, invalid;
+  std::vector<std::uint32_t> moved;
   std::vector<std::int32_t> moved_height;
-  std::vector<std::uint8_t> is_way(part.num_vertices(), 0);
   for (std::uint32_t v = 0; v < part.num_vertices(); ++v) {
-    const auto bound = context.rivers->bound.find(part.point[v]);
-    is_way[v] = bound != context.rivers->bound.end() && bound->second.is_way ? 1 : 0;
     if (part.height[v] == part.measured[v]) continue;
     moved.push_back(reference(part, v));
     moved_height.push_back(part.height[v]);
   }
-  std::vector<RiverEdge> river;
-  const auto& edges = context.rivers->edge;
-  for (std::size_t t = 0; t < part.triangle.size(); t += 3)
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::uint32_t a = part.triangle[t + i], b = part.triangle[t + (i + 1) % 3];
-      if (is_way[a] == 0 || is_way[b] == 0) continue;
-      if (std::binary_search(edges.begin(), edges.end(), std::pair(part.point[a], part.point[b])))
-        river.push_back({a, b});
-      if (std::binary_search(edges.begin(), edges.end(), std::pair(part.point[b], part.point[a])))
-        river.push_back({b, a});
-    }
-  std::sort(river.begin(), river.end());
-  river.erase(std::unique(river.begin(), river.end()), river.end());
-  const RiverConstraints& rows = context.options.rivers.constraints;
-  for (const auto& [from, to] : river) edge.insert(edge.end(), {reference(part, from), reference(part, to)});
-  for (const auto& [from, to] :
-       invalid_river_edges(part.position, height, part.triangle, river, rows.flow, rows.valley))
-    invalid.insert(invalid.end(), {reference(part, from), reference(part, to)});
+  const RiverState state = river_state(context, part, height);
+  const auto append = [&](const std::string& name, const std::vector<RiverEdge>& edges, const std::string& meaning) {
+    std::vector<std::uint32_t> flat;
+    for (const auto& [from, to] : edges) flat.insert(flat.end(), {reference(part, from), reference(part, to)});
+    out.append(name, flat, meaning);
+  };
+  std::vector<std::uint32_t> source;
+  for (const std::uint32_t v : state.source) source.push_back(reference(part, v));
   out.append("river_moved", moved, "vertices that the rivers moved, numbered as in `triangle`");
   out.append("river_height", moved_height, "z lattice: their heights before pits were removed");
-  out.append("river_edge", edge, "river edges of these triangles: from, to; numbered as in `triangle`");
-  out.append("invalid_river_edge", invalid, "those of them along which water climbs, or that are no valleys");
+  append("river_edge", state.edge, "river edges of these triangles: from, to; numbered as in `triangle`");
+  append("invalid_river_edge", state.invalid, "those of them along which water climbs, or that are no valleys");
+  append("no_valley_edge", state.no_valley, "river edges above a side of theirs in these triangles, asked for or not");
+  out.append("river_source", source, "vertices of these triangles with a river edge down, numbered as in `triangle`");
+  out.append("steepest_way", state.steepest, "rise over run: the steepest way down from each over these triangles");
+  out.set("slopes_beyond_limit", static_cast<std::int64_t>(state.slopes_beyond_limit));
 }
 
 void set_figures(const RunContext& context, const Part& part, std::span<const std::int32_t> height,

@@ -10,7 +10,7 @@
 ///
 ///     <output.dir>/terrain/tile_000000.h5, index.h5     the finished data set
 ///     <output.dir>/mesh/tile_000000.ply  dem/tile_000000.tif  dem.tif  change/tile_000000.tif  change.tif
-///     hillshade.png  layers.gpkg  pits.csv report.json report.txt <scratch>/<phase>/000000.h5 outputs of the phases
+///     hillshade.png  layers.gpkg  river_vertices.las|gpkg  pits.csv report.json report.txt <scratch>/<phase>/000000.h5 outputs of the phases
 ///     before `finish`
 
 namespace hydrotin {
@@ -33,6 +33,10 @@ class Layout {
   [[nodiscard]] std::string hillshade() const { return out_ + "/hillshade.png"; }
   [[nodiscard]] std::string layers() const { return out_ + "/layers.gpkg"; }
   [[nodiscard]] std::string profiles() const { return out_ + "/profiles"; }
+  /// River vertices as points; `extension` without dot.
+  [[nodiscard]] std::string river_points(const std::string& extension) const {
+    return out_ + "/river_vertices." + extension;
+  }
   [[nodiscard]] std::string pits_csv() const { return out_ + "/pits.csv"; }
   [[nodiscard]] std::string report_json() const { return out_ + "/report.json"; }
   [[nodiscard]] std::string report_text() const { return out_ + "/report.txt"; }

@@ -51,6 +51,9 @@ void remove_leftovers(const RunContext& context) {
   const std::uint64_t tiles = context.plan.num_tiles();
   remove_tiles_from(fs::path(layout.terrain(0)).parent_path(), tiles);
   if (!context.has_rivers()) remove_leftover(layout.rivers());
+  const PointsFile points = context.has_rivers() ? context.options.rivers.points_out : PointsFile::none;
+  if (points != PointsFile::las) remove_leftover(layout.river_points("las"));
+  if (points != PointsFile::gpkg) remove_leftover(layout.river_points("gpkg"));
   remove_tiles_from(fs::path(layout.mesh(0)).parent_path(), wanted.mesh_ply ? tiles : 0);
   const fs::path dem_folder = fs::path(layout.dem_tile(0)).parent_path();
   remove_tiles_from(dem_folder, wanted.dem.enabled ? tiles : 0);

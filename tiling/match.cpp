@@ -18,19 +18,6 @@ namespace {
 
 using Corners = std::array<std::uint32_t, 3>;
 
-// The box of the data and as much again around it: where lines have a say.
-LatticeBox reach_of(const LatticeBox& box) {
-  const auto wide = [](std::int32_t low, std::int32_t high) {
-    const std::int64_t size = std::int64_t{high} - low + 1;
-    constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max() - 1;
-    return std::pair(static_cast<std::int32_t>(std::max(low - size, -kMost)),
-                     static_cast<std::int32_t>(std::min(high + size, kMost)));
-  };
-  const auto [west, east] = wide(box.min.x, box.max.x);
-  const auto [south, north] = wide(box.min.y, box.max.y);
-  return {{west, south}, {east, north}};
-}
-
 Corners canonical(Corners t) {
   std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
   return t;
@@ -44,6 +31,18 @@ std::vector<Corners> sorted_triangles(std::span<const std::uint32_t> triangle) {
   return out;
 }
 
+using Edge = std::pair<std::uint32_t, std::uint32_t>;
+
+// Ascending, the smaller vertex first.
+std::vector<Edge> edges_of(std::span<const std::uint32_t> triangle) {
+  std::vector<Edge> out;
+  for (std::size_t t = 0; t < triangle.size(); t += 3)
+    for (std::size_t i = 0; i < 3; ++i) out.emplace_back(std::minmax(triangle[t + i], triangle[t + (i + 1) % 3]));
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
 // The network on one window. Vertices of the window keep their numbers, new ones follow.
 class WindowMatch {
  public:
@@ -54,6 +53,7 @@ class WindowMatch {
   std::vector<std::uint32_t> run() {
     match();
     if (!need(rivers())) return incomplete_;
+    find_preserved();
     find_lakes();
     find_chains();
     if (!incomplete_.empty()) return incomplete_;
@@ -134,6 +134,40 @@ class WindowMatch {
   [[nodiscard]] RiverTerrain plane_terrain() { return {plane_, terrain().height, terrain().triangle}; }
   [[nodiscard]] std::uint32_t num_vertices() const { return match_.terrain.num_vertices(); }
 
+  // The edges of the terrain as measured that the lines of the file run along.
+  void find_preserved() {
+    if (input_.preserved.size() == 0) return;
+    const std::vector<Edge> edges = edges_of(window_.triangle);
+    constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+    for (const PreservedSegment& s : preserved_segments(input_, context_.plan.lattice, context_.outline.bounds())) {
+      const std::uint32_t a = window_.find(s.a), b = window_.find(s.b);
+      if (a != kNone && b != kNone && std::binary_search(edges.begin(), edges.end(), Edge(std::minmax(a, b)))) {
+        preserved_.emplace_back(std::minmax(a, b));
+        continue;
+      }
+      const Lattice& l = context_.plan.lattice;
+      const auto text = [&](LatticePoint p) {
+        return "x " + std::to_string(l.x(p.x)) + ", y " + std::to_string(l.y(p.y));
+      };
+      throw Error(ErrorKind::input, input_.preserved_path + ": feature " +
+                                        std::to_string(input_.preserved.feature[s.line]) + ": from " + text(s.a) +
+                                        " to " + text(s.b) +
+                                        " runs no edge of the terrain; draw lines along edges, from vertex to vertex");
+    }
+    std::sort(preserved_.begin(), preserved_.end());
+    preserved_.erase(std::unique(preserved_.begin(), preserved_.end()), preserved_.end());
+  }
+
+  // An edge that an inserted line or a Steiner point cut has no type any more.
+  void drop_cut_edges() {
+    if (preserved_.empty()) return;
+    const std::vector<Edge> edges = edges_of(terrain().triangle);
+    const std::size_t cut = std::erase_if(
+        preserved_, [&](const Edge& edge) { return !std::binary_search(edges.begin(), edges.end(), edge); });
+    count("preserved_edges", preserved_.size());
+    count("preserved_edges_cut", cut);
+  }
+
   void find_lakes() {
     refresh_plane();
     if (input_.lakes.size() > 0) {
@@ -200,6 +234,7 @@ class WindowMatch {
     round_heights(first);
     count("steiner_points", cleared.num_points);
     count("triangles_too_small", cleared.num_left);
+    drop_cut_edges();
   }
 
   // Which triangles come and go. All their corners must be known completely: then they do not depend on the window.
@@ -224,6 +259,7 @@ class WindowMatch {
     for (const Lake& lake : lakes_) used.insert(used.end(), lake.vertex.begin(), lake.vertex.end());
     for (const RiverMouth& mouth : mouths_.mouth) used.push_back(mouth.vertex);
     used.insert(used.end(), outlet_.begin(), outlet_.end());
+    for (const auto& [a, b] : preserved_) used.insert(used.end(), {a, b});
     for (std::uint32_t v = old; v < num_vertices(); ++v) used.push_back(v);
     const auto key = [&](std::uint32_t v) {
       return std::tuple(v >= old, v < old ? window_.point[v] : 0, terrain().position[v]);
@@ -291,8 +327,11 @@ class WindowMatch {
     for (const RiverMouth& mouth : mouths_.mouth) {
       out_.mouth.push_back(number_[mouth.vertex]);
       out_.mouth_kind.push_back(static_cast<std::uint8_t>(mouth.kind));
+      out_.mouth_length.push_back(mouth.length);
+      out_.mouth_climb.push_back(mouth.climb);
     }
     for (const std::uint32_t v : outlet_) out_.outlet.push_back(number_[v]);
+    for (const auto& [a, b] : preserved_) out_.preserved.push_back({number_[a], number_[b]});
     out_.counts = std::move(match_.counts);
     out_.is_turned = std::move(match_.is_turned);
     out_.drop = std::move(match_.drop);
@@ -371,35 +410,12 @@ class WindowMatch {
   std::vector<std::array<double, 2>> plane_;
   std::vector<Lake> lakes_;
   OutletChains mouths_;
+  std::vector<Edge> preserved_;
   std::vector<std::uint32_t> outlet_;  // besides those of the policy
   std::vector<Corners> gone_, come_;
   std::vector<std::uint32_t> number_;
   RiverNetwork out_;
 };
-
-// The boxes of polygons on the lattice, a unit wider.
-void add_lakes(const RunContext& context, CellSet& cells) {
-  const RiverInput& input = *context.river_input;
-  const Lattice& l = context.plan.lattice;
-  const LatticeBox reach = reach_of(context.outline.bounds());
-  const auto at = [&](double x, double offset, std::int64_t base, std::int32_t low, std::int32_t high) {
-    const double unit = (x - offset) / l.scale_xy - static_cast<double>(base);
-    return std::clamp(unit, static_cast<double>(low), static_cast<double>(high));
-  };
-  for (std::size_t i = 0; i < input.lakes.size(); ++i) {
-    LatticeBox box;
-    for (std::size_t r = input.lakes.ring_begin[i]; r < input.lakes.ring_begin[i + 1]; ++r)
-      for (const auto& p : input.lakes.ring(r)) {
-        const double x = at(p[0], l.offset_x, l.base_x, reach.min.x + 1, reach.max.x - 1);
-        const double y = at(p[1], l.offset_y, l.base_y, reach.min.y + 1, reach.max.y - 1);
-        box.extend(
-            LatticePoint{static_cast<std::int32_t>(std::floor(x)) - 1, static_cast<std::int32_t>(std::floor(y)) - 1});
-        box.extend(
-            LatticePoint{static_cast<std::int32_t>(std::ceil(x)) + 1, static_cast<std::int32_t>(std::ceil(y)) + 1});
-      }
-    if (!box.is_empty()) cells.add_box(box);
-  }
-}
 
 }  // namespace
 
@@ -408,10 +424,8 @@ void match_rivers(const RunContext& context) {
       lines_on_lattice(*context.river_input, context.plan.lattice, reach_of(context.outline.bounds()));
   std::vector<LatticeBox> bounds = bounds_of_laid(context);
   const WindowReader reader(context, bounds, nullptr);
-  CellSet cells(context);
-  for (std::size_t i = 0; i < lines.size(); ++i)
-    for (std::size_t p = 1; p < lines.line(i).size(); ++p) cells.add_segment(lines.line(i)[p - 1], lines.line(i)[p]);
-  add_lakes(context, cells);
+  CellSet cells(context.outline);
+  add_river_cells(context, lines, context.outline.bounds(), cells);
   for (std::int32_t rings = 1;; rings *= 2) {
     const RiverWindow window = reader.read(cells.grid(), cells.cells());
     WindowMatch match(context, window, lines);

@@ -7,6 +7,7 @@
 
 #include "report.h"
 #include "river_input.h"
+#include "river_need.h"
 #include "river_store.h"
 #include "schedule.h"
 #include "store.h"
@@ -164,8 +165,12 @@ PlanSummary plan_run(const PipelineOptions& options) {
   out.memory_bytes = out.tile_bytes * out.tiles_in_flight + (std::uint64_t{64} << 20);
   constexpr double kBytesPerPoint = 130, kSecondsPerPoint = 5e-6;
   const double points = static_cast<double>(out.points) + static_cast<double>(reference) / kReferencePerPoint;
+  const RiverNeed rivers = river_need(context);
+  out.river_edges = rivers.edges;
+  out.river_bytes = rivers.bytes;
+  out.memory_bytes = std::max(out.memory_bytes, rivers.bytes + (std::uint64_t{64} << 20));
   out.disk_bytes = static_cast<std::uint64_t>(kBytesPerPoint * points);
-  out.seconds = kSecondsPerPoint * points / worker_count(options.run);
+  out.seconds = kSecondsPerPoint * points / worker_count(options.run) + rivers.seconds;
   out.crs = plan.crs;
   for (std::size_t p = 0; p < kNumPhases; ++p) out.units.push_back(num_units(context, static_cast<Phase>(p)));
   return out;
@@ -183,7 +188,10 @@ DatasetSummary run_pipeline(const PipelineOptions& options, const RunControl& co
     if (num_units(context, phase) == 0) continue;
     run_units(context, phase, 0, 1, control.overwrite, progress);
     if (phase == Phase::survey) load_survey_into(context);
-    if (phase == Phase::outline) load_outline_into(context);
+    if (phase == Phase::outline) {
+      load_outline_into(context);
+      require_river_memory(context);  // before the triangulation, not after
+    }
     if (phase == Phase::unite) context.rivers = load_embedded_rivers(context);
   }
   if (control.until != Phase::report) return {};
@@ -200,6 +208,9 @@ void run_phase(const PipelineOptions& options, Phase phase, std::uint64_t task, 
   if (phase > Phase::outline) load_outline_into(context);
   if (phase > Phase::unite && context.has_rivers()) context.rivers = load_embedded_rivers(context);
   run_units(context, phase, task, of, false, progress);
+  if (phase != Phase::outline || task != 0) return;
+  load_outline_into(context);
+  require_river_memory(context);
 }
 
 std::vector<PhaseStatus> pipeline_status(const PipelineOptions& options) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "block_index.h"
 #include "hydrotin/crs.h"
 #include "hydrotin/error.h"
 #include "plan_inputs.h"
@@ -62,6 +63,7 @@ class TileCutter {
       data.extend(LatticePoint{static_cast<std::int32_t>(s.x1), static_cast<std::int32_t>(s.y1)});
     }
     if (data.is_empty()) data = {{0, 0}, {0, 0}};
+    plan_.data = data;
     cut(std::move(spreads), data, LatticeBox{{kLow, kLow}, {kHigh, kHigh}});
   }
 
@@ -239,6 +241,7 @@ void save_plan(const Plan& plan, const std::string& path) {
   std::vector<std::int32_t> core;
   for (const LatticeBox& b : plan.core) core.insert(core.end(), {b.min.x, b.min.y, b.max.x, b.max.y});
   out.append("tile_core", core, "closed boxes: min x, min y, max x, max y");
+  out.append("data_box", flatten(std::vector<LatticeBox>{plan.data}), "that the headers claim, lattice");
   out.append("tile_expected", plan.expected, "points expected");
   out.commit();
 }
@@ -281,6 +284,9 @@ Plan load_plan(const std::string& path) {
   const auto nodes = in.read<std::int64_t>("node");
   const auto core = in.read<std::int32_t>("tile_core");
   plan.expected = in.read<std::uint64_t>("tile_expected");
+  const auto data = unflatten(in.read<std::int32_t>("data_box"));
+  if (data.size() != 1) throw damaged();
+  plan.data = data[0];
   const std::size_t tiles = plan.expected.size(), num_nodes = nodes.size() / 4;
   if (core.size() != 4 * tiles || tiles == 0 || num_nodes != 2 * tiles - 1) throw damaged();
   for (std::size_t i = 0; i < num_nodes; ++i) {

@@ -47,6 +47,7 @@ struct Plan {
   std::string crs, crs_wkt;    ///< empty: none
   double metres_per_unit = 1;  ///< of x and y
   Lattice lattice;
+  LatticeBox data;                      ///< that the headers claim
   std::vector<PlanNode> nodes;          ///< root first
   std::vector<LatticeBox> core;         ///< [tiles] closed boxes that cover the lattice without overlap
   std::vector<std::uint64_t> expected;  ///< [tiles] points expected, with what reference points weigh

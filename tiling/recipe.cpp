@@ -42,13 +42,17 @@ void add_rivers(const RiverOptions& rivers, RecipeHash& hash) {
       .add(static_cast<std::int64_t>(c.contiguity))
       .add(std::int64_t{c.imaginary_points})
       .add(std::int64_t{c.river_only})
+      .add(static_cast<std::int64_t>(rivers.method))
+      .add(rivers.time_limit)
+      .add(std::int64_t{rivers.preserve_drainage})
+      .add(std::int64_t{rivers.preserve_curvature})
       .add(c.max_change);
 }
 
 }  // namespace
 
 std::string recipe(const std::string& plan_recipe, const PipelineOptions& options, Phase phase) {
-  constexpr std::int64_t kFormat = 7;
+  constexpr std::int64_t kFormat = 10;
   RecipeHash hash;
   hash.add(kFormat).add(plan_recipe).add(std::string(name(phase)));
   if (phase >= Phase::thin && options.thin.vertical_error_m)
@@ -96,6 +100,8 @@ std::string recipe(const std::string& plan_recipe, const PipelineOptions& option
         .add(std::int64_t{options.output.dem.cog})
         .add(std::int64_t{options.output.dem.hillshade})
         .add(std::int64_t{options.output.dem.change});
+  if (phase >= Phase::report && options.rivers.are_given())
+    hash.add(static_cast<std::int64_t>(options.rivers.points_out));
   return hash.hex();
 }
 

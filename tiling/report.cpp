@@ -478,6 +478,7 @@ std::vector<std::pair<std::string, std::uint64_t>> list_outputs(const RunContext
   if (context.options.output.dem.enabled && context.options.output.dem.hillshade) add(context.layout.hillshade());
   if (context.rivers) {
     add(context.layout.rivers());
+    for (const char* extension : {"las", "gpkg"}) add(context.layout.river_points(extension));
     std::error_code absent;
     std::vector<fs::path> profiles;
     for (fs::directory_iterator at(context.layout.profiles(), absent), end; !absent && at != end; at.increment(absent))
@@ -544,7 +545,10 @@ void write_report(const RunContext& context) {
   write_file(context.layout.pits_csv(), pits_csv(context.plan.lattice, figures.pits.pit, figures.pits.is_kept));
   write_file(context.layout.report_json(), to_json(context, figures).dump(2) + "\n");
   write_file(context.layout.report_text(), to_text(context, figures));
-  if (context.rivers) write_river_store(context);
+  if (context.rivers) {
+    write_river_store(context);
+    write_river_points(context, *figures.rivers);
+  }
   remove_leftovers(context);
   remove_other_profiles(context,
                         figures.rivers ? write_river_profiles(context, *figures.rivers) : std::vector<std::string>());

@@ -6,17 +6,15 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <ostream>
-#include <tuple>
 
 #include "hydrotin/profile_svg.h"
+#include "hydrotin/river_statistics.h"
 #include "river_input.h"
 
 namespace hydrotin {
 namespace {
 
 using nlohmann::ordered_json;
-using Fields = std::vector<VectorField>;
-using Values = std::vector<FieldValue>;
 
 constexpr std::size_t kMostRivers = 25;
 
@@ -49,7 +47,10 @@ void read_files(const RunContext& context, RiverFigures& out) {
   for (std::uint32_t t = 0; t < context.plan.num_tiles(); ++t) {
     const store::Reader in(context.layout.terrain(t));
     const auto edge = in.read<std::uint32_t>("river_edge"), invalid = in.read<std::uint32_t>("invalid_river_edge");
-    if (edge.empty()) continue;
+    out.slopes_beyond_limit += static_cast<std::uint64_t>(in.integer("slopes_beyond_limit"));
+    const auto source = in.read<std::uint32_t>("river_source");
+    const auto steepest = in.read<double>("steepest_way");
+    if (edge.empty() && source.empty()) continue;
     const auto height = in.read<std::int32_t>("height"), foreign_height = in.read<std::int32_t>("foreign_height");
     const auto foreign = in.read<std::uint64_t>("foreign_point");
     const auto check = [&](std::uint32_t v) {
@@ -64,174 +65,80 @@ void read_files(const RunContext& context, RiverFigures& out) {
       check(v);
       out.height[id(v)] = v < height.size() ? height[v] : foreign_height[v - height.size()];
     }
-    for (std::size_t i = 0; i + 1 < invalid.size(); i += 2) {
-      check(invalid[i]);
-      check(invalid[i + 1]);
-      out.invalid.emplace_back(id(invalid[i]), id(invalid[i + 1]));
+    const auto take = [&](const std::vector<std::uint32_t>& flat, RiverFigures::Edges& edges) {
+      for (std::size_t i = 0; i + 1 < flat.size(); i += 2) {
+        check(flat[i]);
+        check(flat[i + 1]);
+        edges.emplace_back(id(flat[i]), id(flat[i + 1]));
+      }
+    };
+    take(invalid, out.invalid);
+    take(in.read<std::uint32_t>("no_valley_edge"), out.no_valley);
+    for (std::size_t i = 0; i < source.size() && i < steepest.size(); ++i) {
+      check(source[i]);
+      double& most = out.steepest.emplace(id(source[i]), steepest[i]).first->second;
+      most = std::max(most, steepest[i]);
     }
   }
-  std::sort(out.invalid.begin(), out.invalid.end());
-  out.invalid.erase(std::unique(out.invalid.begin(), out.invalid.end()), out.invalid.end());
+  for (RiverFigures::Edges* edges : {&out.invalid, &out.no_valley}) {
+    std::sort(edges->begin(), edges->end());
+    edges->erase(std::unique(edges->begin(), edges->end()), edges->end());
+  }
 }
 
-// Heights as the rivers left them.
-std::int32_t embedded(const EmbeddedRivers& rivers, std::uint32_t v) {
+// The states of the tables after everything, from what the files say.
+void count_final_states(const RunContext& context, RiverFigures& out) {
+  const EmbeddedRivers& rivers = *context.rivers;
+  const RiverNetwork& network = rivers.network;
+  const Lattice& l = context.plan.lattice;
+  for (RiverRow& row : out.row)
+    row.drop_after = 0, row.wrong_flow_after = row.not_valley_after = row.flat_after = row.leaks_after = 0;
+  struct Source {
+    std::uint32_t river = 0;
+    double steepest = -HUGE_VAL, shortest = HUGE_VAL;
+  };
+  std::unordered_map<std::uint64_t, Source> sources;
+  for (std::size_t e = 0; e < network.river.size(); ++e) {
+    const auto [from, to] = network.river[e];
+    const std::uint32_t river = out.names.river[e];
+    const double drop = final_height(rivers, out, from) * l.scale_z - final_height(rivers, out, to) * l.scale_z;
+    RiverRow& row = out.row[river];
+    row.drop_after += drop;
+    row.wrong_flow_after += drop < 0 ? 1 : 0;
+    row.flat_after += drop == 0 ? 1 : 0;
+    row.not_valley_after += std::binary_search(out.no_valley.begin(), out.no_valley.end(),
+                                               std::pair(network.point[from], network.point[to]))
+                                ? 1
+                                : 0;
+    const double length = std::hypot(network.position[to].x * l.scale_xy - network.position[from].x * l.scale_xy,
+                                     network.position[to].y * l.scale_xy - network.position[from].y * l.scale_xy);
+    Source& source = sources.emplace(network.point[from], Source{river}).first->second;
+    source.river = std::min(source.river, river);
+    source.steepest = std::max(source.steepest, drop / length);
+    source.shortest = std::min(source.shortest, length);
+  }
+  for (const auto& [point, source] : sources) {
+    const auto way = out.steepest.find(point);
+    if (way != out.steepest.end() && is_leak(way->second, source.steepest, source.shortest, 0))
+      ++out.row[source.river].leaks_after;
+  }
+}
+
+}  // namespace
+
+std::int32_t embedded_height(const EmbeddedRivers& rivers, std::uint32_t v) {
   const std::uint64_t point = rivers.network.point[v];
   const auto at = std::lower_bound(rivers.moved.begin(), rivers.moved.end(), point,
                                    [](const auto& entry, std::uint64_t id) { return entry.first < id; });
   return at != rivers.moved.end() && at->first == point ? at->second : rivers.network.height[v];
 }
 
-std::string reason_of(const GroupSolution& solution, const BrokenPlace& place) {
-  if (!solution.optimal) return "the search ended before it held";
-  if (place.is_strict_part) return "holds weakly; its decline or side slope contradicts other constraints";
-  return "contradicts other constraints or the largest change";
+std::int32_t final_height(const EmbeddedRivers& rivers, const RiverFigures& figures, std::uint32_t v) {
+  const auto found = figures.height.find(rivers.network.point[v]);
+  return found != figures.height.end() ? found->second : embedded_height(rivers, v);
 }
 
-class LayerWriter {
- public:
-  LayerWriter(const RunContext& context, const RiverFigures& figures, GeoPackageWriter& file)
-      : context_(context),
-        rivers_(*context.rivers),
-        network_(rivers_.network),
-        input_(*context.river_input),
-        figures_(figures),
-        lattice_(context.plan.lattice),
-        file_(file) {}
-
-  void add_edges() {
-    const int layer = file_.add_layer("river_edges", VectorGeometry::line, true,
-                                      Fields{{"river", FieldType::text},
-                                             {"source_layer", FieldType::integer},
-                                             {"source_feature", FieldType::integer},
-                                             {"length", FieldType::real},
-                                             {"drop_before", FieldType::real},
-                                             {"drop_after", FieldType::real},
-                                             {"status", FieldType::text},
-                                             {"valid", FieldType::integer}});
-    for (std::size_t e = 0; e < network_.river.size(); ++e) {
-      const auto [from, to] = network_.river[e];
-      const std::uint32_t line = network_.line[e];
-      const double before = z_between(network_.height[from], network_.height[to]);
-      const double after = z_between(final_height(from), final_height(to));
-      const bool is_valid = !std::binary_search(figures_.invalid.begin(), figures_.invalid.end(),
-                                                std::pair(network_.point[from], network_.point[to]));
-      const std::string status = after < 0    ? "flows uphill"
-                                 : !is_valid  ? "is no valley"
-                                 : after == 0 ? "is level"
-                                              : "is valid";
-      file_.add_line(
-          layer, line_of({from, to}),
-          Values{figures_.names.name[figures_.names.river[e]], std::int64_t{input_.lines.layer[line]},
-                 input_.lines.feature[line], length(from, to), before, after, status, std::int64_t{is_valid ? 1 : 0}});
-    }
-  }
-
-  void add_moved() {
-    const int layer = file_.add_layer("moved_vertices", VectorGeometry::point, true,
-                                      Fields{{"kind", FieldType::text},
-                                             {"before", FieldType::real},
-                                             {"after", FieldType::real},
-                                             {"change", FieldType::real}});
-    std::vector<MovedVertex> all;
-    for (const GroupSolution& s : rivers_.solution) all.insert(all.end(), s.moved.begin(), s.moved.end());
-    std::sort(all.begin(), all.end(),
-              [](const MovedVertex& a, const MovedVertex& b) { return a.position < b.position; });
-    for (const MovedVertex& v : all) {
-      const auto bound = rivers_.bound.find(v.point);
-      const bool is_way = bound != rivers_.bound.end() && bound->second.is_way;
-      const char* kind = figures_.height.contains(v.point) ? "river" : is_way ? "outlet chain or lake" : "terrain";
-      file_.add_point(
-          layer, at(v.position, v.after),
-          Values{std::string(kind), lattice_.z(v.before), lattice_.z(v.after), z_between(v.after, v.before)});
-    }
-  }
-
-  void add_contradictions() {
-    const int layer = file_.add_layer(
-        "contradictions", VectorGeometry::point, false,
-        Fields{{"constraint", FieldType::text}, {"missing", FieldType::real}, {"reason", FieldType::text}});
-    std::vector<std::tuple<LatticePoint, std::string, double, std::string>> all;
-    for (const GroupSolution& s : rivers_.solution)
-      for (const BrokenPlace& place : s.broken)
-        all.emplace_back(place.at, name_of(place.kind), place.missing, reason_of(s, place));
-    std::sort(all.begin(), all.end());
-    for (const auto& [place, kind, missing, reason] : all)
-      file_.add_point(layer, at(place, 0), Values{kind, missing, reason});
-  }
-
-  void add_mouths() {
-    static constexpr const char* kKinds[] = {"at an outlet", "with an outlet chain", "closed in by its own river"};
-    const int mouths = file_.add_layer("mouths", VectorGeometry::point, true, Fields{{"kind", FieldType::text}});
-    for (std::size_t i = 0; i < network_.mouth.size(); ++i)
-      file_.add_point(mouths, at(network_.position[network_.mouth[i]], final_height(network_.mouth[i])),
-                      Values{std::string(kKinds[network_.mouth_kind[i]])});
-    const int chains =
-        file_.add_layer("outlet_chains", VectorGeometry::line, true, Fields{{"length", FieldType::real}});
-    for (const auto& [from, to] : network_.chain) file_.add_line(chains, line_of({from, to}), Values{length(from, to)});
-  }
-
-  void add_lines() {
-    std::vector<std::int64_t> edges(input_.lines.size(), 0), in_cycle(input_.lines.size(), 0);
-    for (const std::uint32_t line : network_.line) ++edges[line];
-    for (std::size_t c = 0; c + 1 < network_.cycle_begin.size(); ++c)
-      for (std::uint32_t i = network_.cycle_begin[c]; i < network_.cycle_begin[c + 1]; ++i) {
-        std::int64_t& state = in_cycle[network_.cycle[i]];
-        state = std::max<std::int64_t>(state, i == network_.cycle_begin[c] ? 2 : 1);
-      }
-    const Fields fields{{"source_layer", FieldType::integer},
-                        {"source_feature", FieldType::integer},
-                        {"river", FieldType::text},
-                        {"turned", FieldType::integer},
-                        {"drop", FieldType::real},
-                        {"river_edges", FieldType::integer},
-                        {"cycle", FieldType::text}};
-    const auto add_one = [&](int layer, std::uint32_t line) {
-      static constexpr const char* kCycle[] = {"", "in a circle", "left out of a circle"};
-      std::vector<VectorPoint> points;
-      for (const auto& p : input_.lines.ring(input_.lines.ring_begin[line])) points.push_back({p[0], p[1], 0});
-      if (network_.is_turned[line] != 0) std::reverse(points.begin(), points.end());
-      file_.add_line(layer, points,
-                     Values{std::int64_t{input_.lines.layer[line]}, input_.lines.feature[line], input_.name[line],
-                            std::int64_t{network_.is_turned[line]}, network_.drop[line] * lattice_.scale_z, edges[line],
-                            std::string(kCycle[in_cycle[line]])});
-    };
-    const int all = file_.add_layer("lines", VectorGeometry::line, false, fields);
-    for (std::uint32_t line = 0; line < input_.lines.size(); ++line) add_one(all, line);
-    const int rising = file_.add_layer("lines_that_rise", VectorGeometry::line, false, fields);
-    for (const std::uint32_t line : network_.disagrees) add_one(rising, line);
-  }
-
- private:
-  [[nodiscard]] double z_between(std::int32_t high, std::int32_t low) const {
-    return static_cast<double>(std::int64_t{high} - low) * lattice_.scale_z;
-  }
-  [[nodiscard]] VectorPoint at(LatticePoint p, std::int32_t h) const {
-    return {lattice_.x(p.x), lattice_.y(p.y), lattice_.z(h)};
-  }
-  [[nodiscard]] std::int32_t final_height(std::uint32_t v) const {
-    const auto found = figures_.height.find(network_.point[v]);
-    return found != figures_.height.end() ? found->second : embedded(rivers_, v);
-  }
-  [[nodiscard]] double length(std::uint32_t a, std::uint32_t b) const {
-    return std::hypot(static_cast<double>(std::int64_t{network_.position[b].x} - network_.position[a].x),
-                      static_cast<double>(std::int64_t{network_.position[b].y} - network_.position[a].y)) *
-           lattice_.scale_xy;
-  }
-  [[nodiscard]] std::vector<VectorPoint> line_of(const std::vector<std::uint32_t>& vertices) const {
-    std::vector<VectorPoint> out;
-    for (const std::uint32_t v : vertices) out.push_back(at(network_.position[v], final_height(v)));
-    return out;
-  }
-
-  const RunContext& context_;
-  const EmbeddedRivers& rivers_;
-  const RiverNetwork& network_;
-  const RiverInput& input_;
-  const RiverFigures& figures_;
-  const Lattice& lattice_;
-  GeoPackageWriter& file_;
-};
+namespace {
 
 ordered_json to_json(const std::string& name, const RiverRow& r) {
   return {{"name", name},
@@ -294,7 +201,7 @@ RiverFigures collect_river_figures(const RunContext& context) {
     for (const std::uint32_t v : {edge.from, edge.to}) {
       const auto final_height = out.height.find(rivers.network.point[v]);
       if (final_height == out.height.end() || !seen.emplace(rivers.network.point[v], 1).second) continue;
-      out.raised += final_height->second != embedded(rivers, v) ? 1 : 0;
+      out.raised += final_height->second != embedded_height(rivers, v) ? 1 : 0;
     }
   for (const GroupSolution& s : rivers.solution) {
     out.solved_together += s.group.size() > 1 ? s.group.size() : 0;
@@ -317,6 +224,7 @@ RiverFigures collect_river_figures(const RunContext& context) {
       add(out.row[share.river], share.row);
     }
   }
+  count_final_states(context, out);
   out.order.resize(out.row.size());
   std::iota(out.order.begin(), out.order.end(), 0u);
   std::stable_sort(out.order.begin(), out.order.end(),
@@ -348,6 +256,7 @@ void write_to_index(const RunContext& context, const RiverFigures& figures, stor
 }
 
 std::string rivers_json(const RunContext& context, const RiverFigures& f) {
+  const double time_limit = context.options.rivers.time_limit;
   ordered_json steps = ordered_json::object(), table = ordered_json::array(), broken = ordered_json::object();
   for (const auto& [name, number] : context.rivers->network.counts) steps[name] = number;
   for (const std::uint32_t r : f.order) table.push_back(to_json(f.names.name[r], f.row[r]));
@@ -365,9 +274,12 @@ std::string rivers_json(const RunContext& context, const RiverFigures& f) {
                             {"vertices_added", context.rivers->network.num_new},
                             {"vertices_moved", f.moved},
                             {"river_vertices_moved_by_pits", f.raised},
+                            {"slopes_beyond_limit_by_pits", f.slopes_beyond_limit},
                             {"objective", f.total},
                             {"bound", f.bound},
                             {"optimal", f.optimal},
+                            {"method", context.options.rivers.method == RiverMethod::dp ? "dp" : "lp"},
+                            {"time_limit", time_limit > 0 ? ordered_json(time_limit) : ordered_json()},
                             {"max_change", f.largest},
                             {"rows", f.rows},
                             {"columns", f.columns},
@@ -400,7 +312,11 @@ void write_text(const RunContext& context, const RiverFigures& f, std::ostream& 
   row("  vertices moved", f.moved);
   row("  total change", f.total);
   row("  largest change", f.largest);
+  row("  slopes beyond the limit by pit removal", f.slopes_beyond_limit);
   row("  optimal", f.optimal ? "yes" : "no");
+  if (context.options.rivers.time_limit > 0)
+    row("  time limit", std::to_string(context.options.rivers.time_limit) + " s a group" +
+                            (f.optimal ? "" : " (met: another machine may come further)"));
   row("  contradictions", f.broken);
   out << "\nLines\n";
   for (const auto& [name, number] : context.rivers->network.counts) {
@@ -442,8 +358,7 @@ std::vector<std::string> write_river_profiles(const RunContext& context, const R
   for (std::uint32_t v = 0; v < network.num_vertices(); ++v) {
     position.push_back({network.position[v].x * l.scale_xy, network.position[v].y * l.scale_xy});
     before.push_back(l.z(network.height[v]));
-    const auto found = f.height.find(network.point[v]);
-    after.push_back(l.z(found != f.height.end() ? found->second : embedded(rivers, v)));
+    after.push_back(l.z(final_height(rivers, f, v)));
   }
   const MainStems stems =
       main_stems({position, before, {}}, network.river, river, static_cast<std::uint32_t>(f.order.size()));
@@ -463,15 +378,6 @@ std::vector<std::string> write_river_profiles(const RunContext& context, const R
     write_profile_svg(out.back(), name, along, then, now);
   }
   return out;
-}
-
-void write_river_layers(const RunContext& context, const RiverFigures& figures, GeoPackageWriter& out) {
-  LayerWriter layers(context, figures, out);
-  layers.add_edges();
-  layers.add_moved();
-  layers.add_contradictions();
-  layers.add_mouths();
-  layers.add_lines();
 }
 
 }  // namespace hydrotin

@@ -1,10 +1,12 @@
 #include "river_groups.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
+#include "hydrotin/river_burning.h"
 #include "hydrotin/valley_floor.h"
 #include "tile_executor.h"
 
@@ -54,6 +56,8 @@ GroupSolver::GroupSolver(const RunContext& context, const RiverNetwork& network)
   sort_by_group(network.river_group, network.num_groups(), river_begin_, river_);
   sort_by_group(network.chain_group, network.num_groups(), chain_begin_, chain_);
   sort_by_group(network.lake_group, network.num_groups(), lake_begin_, lake_);
+  for (const auto& [a, b] : network.preserved) preserved_.emplace_back(std::minmax(network.point[a], network.point[b]));
+  std::sort(preserved_.begin(), preserved_.end());
 }
 
 std::vector<std::uint32_t> GroupSolver::vertices_of(std::span<const std::uint32_t> group) const {
@@ -72,7 +76,8 @@ std::vector<std::uint32_t> GroupSolver::vertices_of(std::span<const std::uint32_
   return out;
 }
 
-GroupSolver::Share GroupSolver::share_in(const RiverWindow& window, std::span<const std::uint32_t> group) const {
+GroupSolver::Share GroupSolver::share_in(const RiverWindow& window, std::span<const std::uint32_t> group,
+                                         std::span<const PointEdge> preserved) const {
   Share out;
   out.is_way.assign(window.num_vertices(), 0);
   const auto local = [&](std::uint32_t v) {
@@ -107,6 +112,17 @@ GroupSolver::Share GroupSolver::share_in(const RiverWindow& window, std::span<co
       constraints.lakes.push_back(std::move(lake));
     }
   }
+  for (const auto& [a, b] : preserved) {
+    const auto place = [&](std::uint64_t point) {
+      const auto at = std::lower_bound(network_.point.begin(), network_.point.end(), point);
+      return window.find(network_.position[static_cast<std::size_t>(at - network_.point.begin())]);
+    };
+    constraints.preserve.push_back(
+        {place(a), place(b), context_.options.rivers.preserve_drainage, context_.options.rivers.preserve_curvature});
+  }
+  std::sort(constraints.preserve.begin(), constraints.preserve.end(), [](const auto& x, const auto& y) {
+    return std::pair(std::min(x.a, x.b), std::max(x.a, x.b)) < std::pair(std::min(y.a, y.b), std::max(y.a, y.b));
+  });
   // Vertices of a window ascend by (x, y): so do the edges.
   std::sort(river.begin(), river.end());
   for (const auto& [edge, number] : river) {
@@ -119,22 +135,75 @@ GroupSolver::Share GroupSolver::share_in(const RiverWindow& window, std::span<co
   return out;
 }
 
-GroupSolution GroupSolver::solve(std::vector<std::uint32_t> group) const {
+// Section 7.3 on integers of the lattice: its rationals stay small.
+Embedding GroupSolver::embed(const RiverWindow& window, const Share& share) const {
   const Lattice& lattice = context_.plan.lattice;
-  CellSet cells(context_);
+  if (context_.options.rivers.method == RiverMethod::lp)
+    return embed_rivers(Relief(window, lattice.scale_xy, lattice.scale_z).terrain(), share.river, share.options);
+  EmbeddingOptions options = share.options;
+  options.quantum = 1;
+  RiverConstraints& constraints = options.constraints;
+  const double unit = lattice.scale_xy / lattice.scale_z;
+  constraints.side_slope *= unit;
+  if (constraints.decline_measure == DeclineMeasure::slope) constraints.decline *= unit;
+  const Relief relief(window, 1, 1);
+  BurnedEmbedding burned = embed_by_burning(relief.terrain(), share.river, options);
+  if (burned.fault != BurningFault::none) {
+    static constexpr const char* kCause[] = {"", "the river parts", "a triangle has a third river vertex",
+                                             "no heights of river vertices alone make it a valley"};
+    const LatticePoint at = window.position[burned.edge.from];
+    throw Error(ErrorKind::input, context_.options.rivers.lines + ": near x " + std::to_string(lattice.x(at.x)) +
+                                      ", y " + std::to_string(lattice.y(at.y)) + ": " +
+                                      kCause[static_cast<std::size_t>(burned.fault)] +
+                                      ", which rivers.method: dp cannot handle; set rivers.method: lp");
+  }
+  Embedding& out = burned.embedding;
+  for (double& h : out.height) h *= lattice.scale_z;
+  out.objective *= lattice.scale_z;
+  out.bound *= lattice.scale_z;
+  return std::move(out);
+}
+
+// Adds the edges to be preserved with a vertex that is touched, or next to one: others cannot matter. True if there are
+// new ones.
+bool GroupSolver::preserve_near(const RiverWindow& window, std::span<const std::uint8_t> is_touched,
+                                std::vector<PointEdge>& preserved) const {
+  const std::size_t known = preserved.size();
+  for (std::size_t t = 0; t < window.triangle.size() && !preserved_.empty(); t += 3) {
+    const std::uint32_t* v = &window.triangle[t];
+    if (is_touched[v[0]] == 0 && is_touched[v[1]] == 0 && is_touched[v[2]] == 0) continue;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const PointEdge edge = std::minmax(window.point[v[i]], window.point[v[(i + 1) % 3]]);
+      if (std::binary_search(preserved_.begin(), preserved_.end(), edge)) preserved.push_back(edge);
+    }
+  }
+  std::sort(preserved.begin(), preserved.end());
+  preserved.erase(std::unique(preserved.begin(), preserved.end()), preserved.end());
+  return preserved.size() > known;
+}
+
+GroupSolution GroupSolver::solve(std::vector<std::uint32_t> group) const {
+  CellSet cells(context_.outline);
   cells.grow(network_.position, vertices_of(group), 1);
-  for (std::int32_t rings = 1;; rings *= 2) {
+  std::vector<PointEdge> preserved;
+  const auto start = std::chrono::steady_clock::now();
+  for (std::int32_t rings = 1;;) {
     const RiverWindow window = reader_.read(cells.grid(), cells.cells());
-    const Relief relief(window, lattice.scale_xy, lattice.scale_z);
-    Share share = share_in(window, group);
+    Share share = share_in(window, group, preserved);
     share.options.is_complete = window.is_complete;
-    const Embedding embedding = embed_rivers(relief.terrain(), share.river, share.options);
+    if (const double limit = context_.options.rivers.time_limit; limit > 0)
+      share.options.stop = [start, limit] {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() >= limit;
+      };
+    const Embedding embedding = embed(window, share);
     if (!embedding.incomplete.empty()) {
       cells.grow(window.position, embedding.incomplete, rings);
+      rings *= 2;
       continue;
     }
     std::vector<std::uint8_t> is_touched = share.is_way;
     for (const std::uint32_t v : embedding.touched) is_touched[v] = 1;
+    if (preserve_near(window, is_touched, preserved)) continue;
     GroupSolution out;
     out.group = std::move(group);
     describe(window, share, embedding, is_touched, out);
@@ -160,6 +229,7 @@ void GroupSolver::describe(const RiverWindow& window, const Share& share, const 
   std::sort(out.moved.begin(), out.moved.end(),
             [](const MovedVertex& a, const MovedVertex& b) { return a.point < b.point; });
   tabulate(window, share, embedding, out);
+  list_limits(window, share, embedding, out);
   if (constraints.valley) {
     const double side_slope = constraints.side_slope * lattice.scale_xy / lattice.scale_z;
     const auto floor = valley_floor(lattice_relief.terrain(), share.river, side_slope, lattice_relief.height);
@@ -178,8 +248,13 @@ void GroupSolver::describe(const RiverWindow& window, const Share& share, const 
   std::sort(out.near.begin(), out.near.end());
   out.near.erase(std::unique(out.near.begin(), out.near.end()), out.near.end());
   for (const BrokenRow& row : embedding.broken) {
-    BrokenPlace& place = out.broken.emplace_back(
-        BrokenPlace{row.kind, row.is_strict_part, row.missing, {}, window.position[row.vertex.front()]});
+    BrokenPlace& place =
+        out.broken.emplace_back(BrokenPlace{row.kind,
+                                            row.is_strict_part,
+                                            row.missing,
+                                            {},
+                                            window.position[row.vertex.front()],
+                                            static_cast<std::int32_t>(lattice_relief.height[row.vertex.front()])});
     for (const std::uint32_t v : row.vertex) place.point.push_back(window.point[v]);
   }
   out.objective = embedding.objective;
@@ -204,9 +279,36 @@ void GroupSolver::tabulate(const RiverWindow& window, const Share& share, const 
   for (std::uint32_t& r : number)
     r = static_cast<std::uint32_t>(std::lower_bound(rivers.begin(), rivers.end(), r) - rivers.begin());
   const Relief relief(window, lattice.scale_xy, lattice.scale_z);
+  const RiverFaults before = river_faults(relief.terrain(), share.river, relief.height, 0);
+  const RiverFaults after = river_faults(relief.terrain(), share.river, embedding.height, 0);
   const auto rows = river_table(relief.terrain(), share.river, number, static_cast<std::uint32_t>(rivers.size()),
-                                embedding.height, 0);
+                                embedding.height, 0, before, after);
   for (std::size_t r = 0; r < rivers.size(); ++r) out.table.push_back({rivers[r], rows[r]});
+  const auto state = [](const RiverFaults& faults, std::size_t e) {
+    return RiverEdgeState{faults.wrong_flow[e] != 0, faults.not_valley[e] != 0, faults.flat[e] != 0};
+  };
+  for (std::size_t e = 0; e < share.river.size(); ++e)
+    out.edge.push_back({share.number[e], state(before, e), state(after, e)});
+}
+
+// Rows that leave no room, by the heights as embedded.
+void GroupSolver::list_limits(const RiverWindow& window, const Share& share, const Embedding& embedding,
+                              GroupSolution& out) const {
+  constexpr double kNear = 1e-6;
+  const Lattice& lattice = context_.plan.lattice;
+  const Relief relief(window, lattice.scale_xy, lattice.scale_z);
+  const auto height = [&](std::uint32_t v) {
+    return static_cast<std::int32_t>(std::lround(embedding.height[v] / lattice.scale_z));
+  };
+  for (const BindingLimit& limit : binding_limits(relief.terrain(), share.river, share.options.constraints,
+                                                  embedding.height, kNear, lattice.scale_z)) {
+    LimitPlace& place = out.limit.emplace_back();
+    place.kind = limit.kind;
+    place.is_largest_change = limit.is_largest_change;
+    if (limit.is_largest_change) place.change = height(limit.vertex[0]) - window.height[limit.vertex[0]];
+    for (const std::uint32_t v : limit.vertex)
+      place.corner.push_back({window.position[v].x, window.position[v].y, height(v)});
+  }
 }
 
 std::vector<GroupSolution> unite(const GroupSolver& solver, std::vector<GroupSolution> solutions) {

@@ -27,17 +27,25 @@ class GroupSolver {
  private:
   struct Share;  // the rivers of some groups over a window
 
+  using PointEdge = std::pair<std::uint64_t, std::uint64_t>;
+
+  [[nodiscard]] Embedding embed(const RiverWindow& window, const Share& share) const;
+  [[nodiscard]] bool preserve_near(const RiverWindow& window, std::span<const std::uint8_t> is_touched,
+                                   std::vector<PointEdge>& preserved) const;
   [[nodiscard]] std::vector<std::uint32_t> vertices_of(std::span<const std::uint32_t> group) const;
-  [[nodiscard]] Share share_in(const RiverWindow& window, std::span<const std::uint32_t> group) const;
+  [[nodiscard]] Share share_in(const RiverWindow& window, std::span<const std::uint32_t> group,
+                               std::span<const PointEdge> preserved) const;
   void describe(const RiverWindow& window, const Share& share, const Embedding& embedding,
                 std::span<const std::uint8_t> is_touched, GroupSolution& out) const;
 
   void tabulate(const RiverWindow& window, const Share& share, const Embedding& embedding, GroupSolution& out) const;
+  void list_limits(const RiverWindow& window, const Share& share, const Embedding& embedding, GroupSolution& out) const;
 
   const RunContext& context_;
   const RiverNetwork& network_;
   RiverNames names_;
   WindowReader reader_;
+  std::vector<PointEdge> preserved_;  // ascending, the smaller point first
   std::vector<std::uint32_t> river_begin_, river_, chain_begin_, chain_, lake_begin_, lake_;  // of each group
 };
 

@@ -117,6 +117,7 @@ std::string hash_all(const RiverInput& input) {
   RecipeHash hash;
   add_parts(input.lines, hash);
   add_parts(input.lakes, hash);
+  add_parts(input.preserved, hash);
   for (const std::uint8_t flag : input.is_against) hash.add(std::int64_t{flag});
   for (const std::string& name : input.name) hash.add(name);
   for (std::size_t i = 0; i < input.level.size(); ++i) hash.add(std::int64_t{input.has_level[i]}).add(input.level[i]);
@@ -130,6 +131,10 @@ std::shared_ptr<const RiverInput> load_river_input(const RiverOptions& options, 
   auto out = std::make_shared<RiverInput>();
   read_lines(options, plan, *out);
   if (!options.lakes.empty()) read_lakes(options, plan, *out);
+  if (!options.preserve_edges.empty()) {
+    out->preserved_path = options.preserve_edges;
+    out->preserved = read_parts(options.preserve_edges, VectorGeometry::line, options, plan, {});
+  }
   out->hash = hash_all(*out);
   return out;
 }
@@ -159,6 +164,29 @@ RiverLines lines_on_lattice(const RiverInput& input, const Lattice& lattice, con
       if (share->second < 1) close();
     }
     close();
+  }
+  return out;
+}
+
+std::vector<PreservedSegment> preserved_segments(const RiverInput& input, const Lattice& lattice,
+                                                 const LatticeBox& box) {
+  std::vector<PreservedSegment> out;
+  for (std::size_t i = 0; i < input.preserved.size(); ++i) {
+    const auto points = input.preserved.ring(input.preserved.ring_begin[i]);
+    std::vector<LatticePoint> chain;
+    for (const auto& p : points) {
+      const Plane at = unrounded(lattice, p);
+      // Half a unit more than the box: what rounding brings in.
+      if (!(at[0] >= box.min.x - 0.5 && at[0] <= box.max.x + 0.5 && at[1] >= box.min.y - 0.5 &&
+            at[1] <= box.max.y + 0.5))
+        throw Error(ErrorKind::input, input.preserved_path + ": feature " + std::to_string(input.preserved.feature[i]) +
+                                          ": x " + std::to_string(p[0]) + ", y " + std::to_string(p[1]) +
+                                          " is outside the terrain; draw lines along its edges, from vertex to vertex");
+      chain.push_back(rounded(at, box));
+    }
+    for (std::size_t p = 1; p < chain.size(); ++p)
+      if (chain[p] != chain[p - 1])
+        out.push_back({std::min(chain[p - 1], chain[p]), std::max(chain[p - 1], chain[p]), i});
   }
   return out;
 }

@@ -21,8 +21,9 @@
 namespace hydrotin {
 
 struct RiverInput {
-  std::string lines_path, lakes_path;
+  std::string lines_path, lakes_path, preserved_path;
   VectorParts lines, lakes;
+  VectorParts preserved;                 ///< lines along edges whose type must not change
   std::vector<std::uint8_t> is_against;  ///< [lines] drawn upstream, by the attribute of the options
   std::vector<std::string> name;         ///< [lines] of rivers; empty: none
   std::vector<std::uint8_t> has_level;   ///< [lakes]
@@ -37,6 +38,16 @@ struct RiverInput {
 
 /// The lines on the lattice: what lies within `reach`, in pieces where a line leaves it.
 [[nodiscard]] RiverLines lines_on_lattice(const RiverInput& input, const Lattice& lattice, const LatticeBox& reach);
+
+/// A piece of a line along an edge that is to be preserved.
+struct PreservedSegment {
+  LatticePoint a, b;
+  std::size_t line = 0;  ///< of `preserved`
+};
+
+/// On the lattice. Fails: Error(input) for points outside `box`, which no vertex can be at.
+[[nodiscard]] std::vector<PreservedSegment> preserved_segments(const RiverInput& input, const Lattice& lattice,
+                                                               const LatticeBox& box);
 
 /// Heights at the points of lines within `reach`, ascending by place; of several the least.
 [[nodiscard]] std::vector<std::pair<LatticePoint, double>> heights_of_lines(const RiverInput& input,

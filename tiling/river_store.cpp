@@ -257,18 +257,18 @@ void write_broken(store::Writer& out, std::span<const GroupSolution> solutions) 
   }
   std::vector<std::uint8_t> kind, strict;
   std::vector<double> missing;
-  std::vector<std::int32_t> xy;
+  std::vector<std::int32_t> xyz;
   for (const BrokenPlace& b : all) {
     kind.push_back(static_cast<std::uint8_t>(b.kind));
     strict.push_back(b.is_strict_part ? 1 : 0);
     missing.push_back(b.missing);
-    xy.insert(xy.end(), {b.at.x, b.at.y});
+    xyz.insert(xyz.end(), {b.at.x, b.at.y, b.height});
   }
   out.append("broken_begin", begin, "rows that do not hold, of each solution");
   out.append("broken_kind", kind, "kind of row");
   out.append("broken_strict", strict, "1: only what goes beyond the weak row is missing");
   out.append("broken_missing", missing, "how much, in the unit of heights");
-  out.append("broken_xy", xy, "place of the first vertex, lattice");
+  out.append("broken_xyz", xyz, "the first vertex, as embedded, lattice");
   write_lists<std::uint64_t>(
       out, "broken_point", all,
       [](const BrokenPlace& b, std::vector<std::uint64_t>& flat) {
@@ -283,7 +283,7 @@ void read_broken(const store::Reader& in, std::vector<GroupSolution>& solutions)
   const std::uint64_t n = kind.size();
   const auto strict = read_sized<std::uint8_t>(in, "broken_strict", n);
   const auto missing = read_sized<double>(in, "broken_missing", n);
-  const auto xy = read_sized<std::int32_t>(in, "broken_xy", 2 * n);
+  const auto xyz = read_sized<std::int32_t>(in, "broken_xyz", 3 * n);
   auto points = read_lists<std::uint64_t>(in, "broken_point", n);
   if (begin.back() != n || !std::is_sorted(begin.begin(), begin.end())) contradicts(in.path());
   check_below(in, kind, static_cast<std::uint64_t>(RowKind::chain) + 1);
@@ -293,7 +293,88 @@ void read_broken(const store::Reader& in, std::vector<GroupSolution>& solutions)
                                      strict[i] != 0,
                                      missing[i],
                                      std::move(points[i]),
-                                     {xy[2 * i], xy[2 * i + 1]}});
+                                     {xyz[3 * i], xyz[3 * i + 1]},
+                                     xyz[3 * i + 2]});
+}
+
+std::uint8_t flags_of(const RiverEdgeState& state) {
+  return static_cast<std::uint8_t>((state.wrong_flow ? 1 : 0) + (state.not_valley ? 2 : 0) + (state.is_level ? 4 : 0));
+}
+
+RiverEdgeState state_of(unsigned flags) {
+  return {(flags & 1U) != 0, (flags & 2U) != 0, (flags & 4U) != 0};
+}
+
+void write_edge_states(store::Writer& out, std::span<const GroupSolution> solutions) {
+  write_lists<std::uint32_t>(
+      out, "edge", solutions,
+      [](const GroupSolution& s, std::vector<std::uint32_t>& flat) {
+        for (const EmbeddedEdge& e : s.edge) flat.push_back(e.edge);
+      },
+      "river edges of the network");
+  std::vector<std::uint8_t> state;
+  for (const GroupSolution& s : solutions)
+    for (const EmbeddedEdge& e : s.edge)
+      state.push_back(static_cast<std::uint8_t>(flags_of(e.before) | flags_of(e.after) << 4));
+  out.append("edge_state", state, "1: wrong flow, 2: no valley, 4: level; before, and 16 times that after");
+}
+
+void read_edge_states(const store::Reader& in, std::vector<GroupSolution>& solutions) {
+  const auto edge = read_lists<std::uint32_t>(in, "edge", solutions.size());
+  const auto state = read_sized<std::uint8_t>(in, "edge_state", in.size("edge"));
+  auto at = state.begin();
+  for (std::size_t s = 0; s < solutions.size(); ++s)
+    for (const std::uint32_t e : edge[s]) {
+      solutions[s].edge.push_back({e, state_of(*at & 15U), state_of(*at / 16U)});
+      ++at;
+    }
+}
+
+constexpr std::uint8_t kLargestChange = 255;
+
+void write_limits(store::Writer& out, std::span<const GroupSolution> solutions) {
+  std::vector<LimitPlace> all;
+  std::vector<std::uint64_t> begin{0};
+  std::vector<std::uint8_t> kind;
+  std::vector<std::int32_t> change;
+  for (const GroupSolution& s : solutions) {
+    for (const LimitPlace& limit : s.limit) {
+      kind.push_back(limit.is_largest_change ? kLargestChange : static_cast<std::uint8_t>(limit.kind));
+      change.push_back(limit.change);
+      all.push_back(limit);
+    }
+    begin.push_back(all.size());
+  }
+  out.append("limit_begin", begin, "rows without room, of each solution");
+  out.append("limit_kind", kind, "kind of row; 255: the largest change of one vertex");
+  out.append("limit_change", change, "of a vertex that moved as far as it may, z lattice");
+  write_lists<std::int32_t>(
+      out, "limit_xyz", all,
+      [](const LimitPlace& limit, std::vector<std::int32_t>& flat) {
+        for (const auto& p : limit.corner) flat.insert(flat.end(), p.begin(), p.end());
+      },
+      "their vertices as embedded, lattice");
+}
+
+void read_limits(const store::Reader& in, std::vector<GroupSolution>& solutions) {
+  const auto begin = read_sized<std::uint64_t>(in, "limit_begin", solutions.size() + 1);
+  const auto kind = in.read<std::uint8_t>("limit_kind");
+  const auto change = read_sized<std::int32_t>(in, "limit_change", kind.size());
+  const auto corners = read_lists<std::int32_t>(in, "limit_xyz", kind.size());
+  if (begin.back() != kind.size() || !std::is_sorted(begin.begin(), begin.end())) contradicts(in.path());
+  for (std::size_t s = 0; s < solutions.size(); ++s)
+    for (std::uint64_t i = begin[s]; i < begin[s + 1]; ++i) {
+      const bool is_largest = kind[i] == kLargestChange;
+      const std::vector<std::int32_t>& flat = corners[i];
+      if ((!is_largest && kind[i] > static_cast<std::uint8_t>(RowKind::chain)) ||
+          flat.size() < (is_largest ? 3U : 6U) || flat.size() % 3 != 0)
+        contradicts(in.path());
+      LimitPlace& limit = solutions[s].limit.emplace_back();
+      limit.kind = is_largest ? RowKind::flow : static_cast<RowKind>(kind[i]);
+      limit.is_largest_change = is_largest;
+      limit.change = change[i];
+      for (std::size_t k = 0; k < flat.size(); k += 3) limit.corner.push_back({flat[k], flat[k + 1], flat[k + 2]});
+    }
 }
 
 constexpr std::size_t kNumFigures = 6;
@@ -362,6 +443,7 @@ void write_network(store::Writer& out, const RiverNetwork& n) {
   write_edges(out, "chain", n.chain, "edges of outlet chains: from, to; vertices");
   out.append("chain_group", n.chain_group, "its group");
   write_lakes(out, n);
+  write_edges(out, "preserved", n.preserved, "edges whose type must not change; vertices");
   write_counts(out, n.counts);
   out.append("is_turned", n.is_turned, "1: the line runs against the order of its points");
   out.append("drop", n.drop, "of each line downstream, z lattice");
@@ -370,6 +452,8 @@ void write_network(store::Writer& out, const RiverNetwork& n) {
   out.append("cycle", n.cycle, "lines that run in circles");
   out.append("mouth", n.mouth, "vertices where rivers end");
   out.append("outlet", n.outlet, "vertices where water may leave: closed mouths, lakes that no river leaves");
+  out.append("mouth_length", n.mouth_length, "edges of its chain");
+  out.append("mouth_climb", n.mouth_climb, "how far its water has to climb on the way, z lattice");
   out.append("mouth_kind", n.mouth_kind, "0: at an outlet, 1: with an outlet chain, 2: closed in by its own river");
 }
 
@@ -402,6 +486,7 @@ RiverNetwork read_network(const RunContext& context) {
   check_below(in, n.river_group, n.num_groups());
   check_below(in, n.chain_group, n.num_groups());
   read_lakes(in, n);
+  n.preserved = read_edges(in, "preserved", n.num_vertices());
   n.counts = read_counts(in);
   const std::uint64_t lines = context.river_input->lines.size();
   n.is_turned = read_sized<std::uint8_t>(in, "is_turned", lines);
@@ -416,6 +501,8 @@ RiverNetwork read_network(const RunContext& context) {
     contradicts(in.path());
   n.mouth = in.read<std::uint32_t>("mouth");
   n.mouth_kind = read_sized<std::uint8_t>(in, "mouth_kind", n.mouth.size());
+  n.mouth_length = read_sized<std::uint32_t>(in, "mouth_length", n.mouth.size());
+  n.mouth_climb = read_sized<double>(in, "mouth_climb", n.mouth.size());
   check_below(in, n.mouth, n.num_vertices());
   check_below(in, n.mouth_kind, 3);
   n.outlet = in.read<std::uint32_t>("outlet");
@@ -440,6 +527,8 @@ void write_solutions(store::Writer& out, std::span<const GroupSolution> solution
       },
       "vertices that no other solution may come near");
   write_broken(out, solutions);
+  write_edge_states(out, solutions);
+  write_limits(out, solutions);
   std::vector<double> objective;
   std::vector<std::uint64_t> figure;
   for (const GroupSolution& s : solutions) {
@@ -460,6 +549,8 @@ std::vector<GroupSolution> read_solutions(const store::Reader& in) {
   read_table(in, out);
   read_heights(in, "floor", out, &GroupSolution::floor);
   read_broken(in, out);
+  read_edge_states(in, out);
+  read_limits(in, out);
   const auto objective = read_sized<double>(in, "objective", 2 * out.size());
   const auto figure = read_sized<std::uint64_t>(in, "figure", kNumFigures * out.size());
   for (std::size_t s = 0; s < out.size(); ++s) {
@@ -484,6 +575,13 @@ std::shared_ptr<const EmbeddedRivers> load_embedded_rivers(const RunContext& con
   const store::Reader in(context.layout.unit(Phase::unite, 0));
   out->solution = read_solutions(in);
   const RiverNetwork& n = out->network;
+  std::vector<std::uint8_t> is_solved(n.river.size(), 0);
+  for (const GroupSolution& s : out->solution)
+    for (const EmbeddedEdge& e : s.edge) {
+      if (e.edge >= is_solved.size() || is_solved[e.edge] != 0) contradicts(in.path());
+      is_solved[e.edge] = 1;
+    }
+  if (std::find(is_solved.begin(), is_solved.end(), 0) != is_solved.end()) contradicts(in.path());
   for (const GroupSolution& s : out->solution) {
     for (const MovedVertex& v : s.moved) out->moved.emplace_back(v.point, v.after);
     for (const auto& [point, height] : s.floor) out->bound[point].lower = height;

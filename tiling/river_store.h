@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "hydrotin/river_embedding.h"
+#include "hydrotin/river_layers.h"
 #include "hydrotin/river_matching.h"
 #include "hydrotin/river_profiles.h"
 #include "phases.h"
@@ -62,6 +63,9 @@ struct RiverNetwork {
   std::vector<std::uint32_t> disagrees, cycle_begin, cycle;  ///< lines; cycles as CSR
   std::vector<std::uint32_t> mouth;                          ///< listed vertices
   std::vector<std::uint8_t> mouth_kind;                      ///< MouthKind
+  std::vector<std::uint32_t> mouth_length;                   ///< edges of its chain
+  std::vector<double> mouth_climb;                           ///< z lattice units
+  std::vector<RiverEdge> preserved;   ///< listed vertices: edges whose type must not change; ascending
   std::vector<std::uint32_t> outlet;  ///< listed vertices: closed mouths, and lakes that no river leaves
 
   [[nodiscard]] std::uint32_t num_vertices() const { return static_cast<std::uint32_t>(point.size()); }
@@ -85,6 +89,21 @@ struct BrokenPlace {
   double missing = 0;  ///< in the unit of heights
   std::vector<std::uint64_t> point;
   LatticePoint at;  ///< of its first point
+  std::int32_t height = 0;
+};
+
+/// A row that leaves no room, or a vertex that moved as far as it may. Lattice units, heights as embedded.
+struct LimitPlace {
+  RowKind kind = RowKind::slope_limit;
+  bool is_largest_change = false;
+  std::int32_t change = 0;                          ///< of a largest change
+  std::vector<std::array<std::int32_t, 3>> corner;  ///< x, y, z
+};
+
+/// A river edge before and after the embedding.
+struct EmbeddedEdge {
+  std::uint32_t edge = 0;  ///< of the network
+  RiverEdgeState before{}, after{};
 };
 
 /// A vertex that the rivers move. Lattice units.
@@ -105,6 +124,8 @@ struct GroupSolution {
   std::vector<std::uint32_t> group;                           ///< ascending
   std::vector<MovedVertex> moved;                             ///< ascending by point
   std::vector<RiverShare> table;                              ///< ascending by river
+  std::vector<EmbeddedEdge> edge;                             ///< ascending by (x, y)
+  std::vector<LimitPlace> limit;                              ///< in (x, y) order
   std::vector<std::uint64_t> near;                            ///< points that no other solution may come near
   std::vector<std::pair<std::uint64_t, std::int32_t>> floor;  ///< least heights that valleys leave wingtips
   std::vector<BrokenPlace> broken;

@@ -6,6 +6,8 @@
 #include <numeric>
 
 #include "block_index.h"
+#include "river_input.h"
+#include "river_need.h"
 #include "terrain_file.h"
 #include "whole_array.h"
 
@@ -222,6 +224,56 @@ Share share_of_patch(const RiverNetwork& patch, const CellGrid& grid, std::span<
 
 }  // namespace
 
+// The box of the data and as much again around it: where lines have a say.
+LatticeBox reach_of(const LatticeBox& box) {
+  const auto wide = [](std::int32_t low, std::int32_t high) {
+    const std::int64_t size = std::int64_t{high} - low + 1;
+    constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max() - 1;
+    return std::pair(static_cast<std::int32_t>(std::max(low - size, -kMost)),
+                     static_cast<std::int32_t>(std::min(high + size, kMost)));
+  };
+  const auto [west, east] = wide(box.min.x, box.max.x);
+  const auto [south, north] = wide(box.min.y, box.max.y);
+  return {{west, south}, {east, north}};
+}
+
+namespace {
+
+// The boxes of polygons on the lattice, a unit wider.
+void add_lakes(const RunContext& context, const LatticeBox& bounds, CellSet& cells) {
+  const RiverInput& input = *context.river_input;
+  const Lattice& l = context.plan.lattice;
+  const LatticeBox reach = reach_of(bounds);
+  const auto at = [&](double x, double offset, std::int64_t base, std::int32_t low, std::int32_t high) {
+    const double unit = (x - offset) / l.scale_xy - static_cast<double>(base);
+    return std::clamp(unit, static_cast<double>(low), static_cast<double>(high));
+  };
+  for (std::size_t i = 0; i < input.lakes.size(); ++i) {
+    LatticeBox box;
+    for (std::size_t r = input.lakes.ring_begin[i]; r < input.lakes.ring_begin[i + 1]; ++r)
+      for (const auto& p : input.lakes.ring(r)) {
+        const double x = at(p[0], l.offset_x, l.base_x, reach.min.x + 1, reach.max.x - 1);
+        const double y = at(p[1], l.offset_y, l.base_y, reach.min.y + 1, reach.max.y - 1);
+        box.extend(
+            LatticePoint{static_cast<std::int32_t>(std::floor(x)) - 1, static_cast<std::int32_t>(std::floor(y)) - 1});
+        box.extend(
+            LatticePoint{static_cast<std::int32_t>(std::ceil(x)) + 1, static_cast<std::int32_t>(std::ceil(y)) + 1});
+      }
+    if (!box.is_empty()) cells.add_box(box);
+  }
+}
+
+}  // namespace
+
+void add_river_cells(const RunContext& context, const RiverLines& lines, const LatticeBox& bounds, CellSet& cells) {
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    for (std::size_t p = 1; p < lines.line(i).size(); ++p) cells.add_segment(lines.line(i)[p - 1], lines.line(i)[p]);
+  add_lakes(context, bounds, cells);
+  if (context.river_input->preserved.size() == 0) return;
+  for (const PreservedSegment& s : preserved_segments(*context.river_input, context.plan.lattice, bounds))
+    cells.add_segment(s.a, s.b);
+}
+
 std::uint32_t RiverWindow::find(LatticePoint p) const {
   const auto at = std::lower_bound(position.begin(), position.end(), p);
   return at != position.end() && *at == p ? static_cast<std::uint32_t>(at - position.begin()) : kNone;
@@ -298,11 +350,9 @@ RiverWindow WindowReader::read(const CellGrid& grid, std::span<const Cell> cells
     if (patch_ != nullptr) remove_gone(*patch_, t, share);
   }
   if (patch_ != nullptr) shares.emplace_back(context_.plan.num_tiles(), share_of_patch(*patch_, grid, cells));
-  // Measured, with all that matching and embedding make of them.
-  constexpr std::uint64_t kBytesPerTriangle = 400;
   std::uint64_t corners = 0;
   for (const auto& [tile, share] : shares) corners += share.triangle.size();
-  if (const std::uint64_t need = corners / 3 * kBytesPerTriangle; need > context_.options.run.memory_bytes)
+  if (const std::uint64_t need = corners / 3 * kBytesPerRiverTriangle; need > context_.options.run.memory_bytes)
     throw Error(ErrorKind::resource, context_.options.rivers.lines + ": the terrain around these rivers needs " +
                                          std::to_string(need >> 20) + " MiB, but run.memory is " +
                                          std::to_string(context_.options.run.memory_bytes >> 20) +

@@ -37,7 +37,7 @@ struct RiverWindow {
 /// Cells, growing: ascending and distinct.
 class CellSet {
  public:
-  explicit CellSet(const RunContext& context) : grid_(context.outline), bounds_(context.outline.bounds()) {}
+  explicit CellSet(const Outline& outline) : grid_(outline), bounds_(outline.bounds()) {}
 
   /// The cells of some vertices and those up to so many cells away, within the bounds of the terrain.
   void grow(std::span<const LatticePoint> position, std::span<const std::uint32_t> vertex, std::int32_t rings);
@@ -56,6 +56,12 @@ class CellSet {
   std::vector<Cell> cell_;
   std::size_t sorted_ = 0;
 };
+
+/// The box of the data and as much again around it: where lines have a say.
+[[nodiscard]] LatticeBox reach_of(const LatticeBox& box);
+
+/// The cells of lines, lakes and preserved edges: all that matching looks at first.
+void add_river_cells(const RunContext& context, const RiverLines& lines, const LatticeBox& bounds, CellSet& cells);
 
 /// Reads windows from the output of `lay`.
 class WindowReader {

@@ -25,10 +25,12 @@
 ///     pit_vertices    u64 [Q]   vertices of their plateaus
 ///     outlet_vertex   u32       vertices at which water may leave by a layer or at voids, numbered as in triangle
 ///     kept_vertex     u32       vertices of pits that were to be kept
-///     river_moved     u32 [M]   vertices that the rivers moved; with rivers only, as the next five
+///     river_moved     u32 [M]   vertices that the rivers moved; with rivers only, as the next eight
 ///     river_height    i32 [M]   their heights before pits were removed
 ///     river_edge      u32 [2R]  river edges of these triangles: from, to; numbered as in triangle
 ///     invalid_river_edge  u32   those of them along which water climbs, or that are no valleys
+///     no_valley_edge  u32       those above a side of theirs, whether that is asked for or not
+///     river_source    u32 [S]   vertices with a river edge down; steepest_way f64 [S] over these triangles
 ///     added_triangle  u32       triangles that came with the rivers: their order is not limited
 ///     removed_x, removed_y, removed_z, removed_block_box   as x, y, z, block_box: own points that thinning removed
 ///     final_...                 plateaus of the final heights (see reduced_store.h)

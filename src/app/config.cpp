@@ -305,12 +305,59 @@ void read_constraints(const Reader& rivers, RiverConstraints& constraints) {
     constraints.max_change = most.real(1e-9, 1e6, "a height in metres above 0");
 }
 
+// How the program is solved, and what it must leave as it is.
+void read_method(const Reader& rivers, bool has_lakes, const std::filesystem::path& folder, RiverOptions& options) {
+  if (const Reader limit = rivers.at("time_limit"); limit.is_given())
+    options.time_limit = limit.real(1e-9, 1e9, "seconds, above 0");
+  const Reader edges = rivers.at("preserve_edges"), kind = rivers.at("preserve");
+  if (edges.is_given()) options.preserve_edges = resolved(folder, edges.text("a file of lines"));
+  if (kind.is_given()) {
+    if (!edges.is_given()) fail(kind.place(), kind.name() + ": there are no edges (give rivers.preserve_edges)");
+    const std::size_t chosen = kind.choice({"drainage", "curvature", "both"});
+    options.preserve_drainage = chosen != 1;
+    options.preserve_curvature = chosen != 0;
+  }
+  const Reader method = rivers.at("method");
+  if (!method.is_given() || method.choice({"lp", "dp"}) == 0) return;
+  options.method = RiverMethod::dp;
+  const auto clash = [&](const std::string& key) {
+    fail(method.place(), method.name() + ": dp moves river vertices for flow, valley, decline and side slope only, " +
+                             "and ends by itself, so not with " + key + " (leave that out, or give lp)");
+  };
+  if (has_lakes) clash("input.lakes");
+  for (const char* key : {"contiguous", "max_change_m", "time_limit", "preserve_edges"})
+    if (rivers.at(key).is_given()) clash(std::string("rivers.") + key);
+  if (!options.constraints.directions.empty()) clash("rivers.triangle_directions");
+  if (!options.constraints.flow) clash("rivers.flow: false");
+  if (!options.constraints.valley) clash("rivers.valley: false");
+}
+
 void read_rivers(const Reader& input, const Reader& rivers, const std::filesystem::path& folder,
                  RiverOptions& options) {
-  rivers.require_keys({"variant", "decline", "max_edge_slope_change", "max_change_m", "side_slope", "contiguous",
-                       "triangle_directions", "max_triangle_slope_change", "flow", "valley", "river_only", "match",
-                       "use_z", "direction", "direction_field", "reversed_values", "name_field", "lake_level_field",
-                       "crs"});
+  rivers.require_keys({"variant",
+                       "decline",
+                       "max_edge_slope_change",
+                       "max_change_m",
+                       "side_slope",
+                       "contiguous",
+                       "triangle_directions",
+                       "max_triangle_slope_change",
+                       "flow",
+                       "valley",
+                       "river_only",
+                       "match",
+                       "use_z",
+                       "direction",
+                       "direction_field",
+                       "reversed_values",
+                       "name_field",
+                       "lake_level_field",
+                       "crs",
+                       "points_out",
+                       "method",
+                       "time_limit",
+                       "preserve_edges",
+                       "preserve"});
   const Reader lines = input.at("rivers"), lakes = input.at("lakes");
   if (lines.is_given()) options.lines = resolved(folder, lines.text("a file of lines"));
   if (lakes.is_given()) options.lakes = resolved(folder, lakes.text("a file of polygons"));
@@ -319,6 +366,7 @@ void read_rivers(const Reader& input, const Reader& rivers, const std::filesyste
   if (rivers.is_given() && !lines.is_given())
     fail(rivers.place(), "rivers: there are none (give their lines as input.rivers)");
   read_constraints(rivers, options.constraints);
+  read_method(rivers, lakes.is_given(), folder, options);
   if (const Reader match = rivers.at("match"); match.is_given())
     options.matching.insert = match.choice({"snap", "insert"}) == 1;
   if (const Reader z = rivers.at("use_z"); z.is_given()) {
@@ -347,6 +395,10 @@ void read_rivers(const Reader& input, const Reader& rivers, const std::filesyste
   if (const Reader level = rivers.at("lake_level_field"); level.is_given()) {
     options.lake_level_field = level.text("an attribute of the lakes");
     if (!lakes.is_given()) fail(level.place(), level.name() + ": there are no lakes (give input.lakes)");
+  }
+  if (const Reader points = rivers.at("points_out"); points.is_given()) {
+    constexpr PointsFile kValues[] = {PointsFile::none, PointsFile::las, PointsFile::gpkg};
+    options.points_out = kValues[points.choice({"none", "las", "gpkg"})];
   }
   if (const Reader crs = rivers.at("crs"); crs.is_given()) {
     options.crs = crs.text("EPSG:n or WKT");

@@ -41,35 +41,23 @@ struct EmbedResult {
   NamedRivers rivers;
 };
 
-Embedding burn(const EmbedArguments& arguments, const EmbedInput& input, const RiverConstraints& constraints) {
-  const RiverTerrain terrain = input.terrain();
-  std::vector<double> decline(input.rivers.size(), 0.0);
-  if (constraints.decline_measure == DeclineMeasure::fraction)
-    decline = fractional_declines(terrain, input.rivers, constraints.decline);
-  if (constraints.decline_measure == DeclineMeasure::slope)
-    for (std::size_t e = 0; e < decline.size(); ++e) decline[e] = constraints.decline * input.length(input.rivers[e]);
-  Burning burning = burn_rivers(terrain, input.rivers, decline, constraints.side_slope);
-  const std::string edge = burning.fault == BurningFault::none ? "" : input.name_of(burning.edge);
-  if (burning.fault == BurningFault::not_a_forest)
+Embedding burn(const EmbedArguments& arguments, const EmbedInput& input, const EmbeddingOptions& options) {
+  BurnedEmbedding burned = embed_by_burning(input.terrain(), input.rivers, options);
+  const auto [from, to] = burned.edge;
+  const std::string edge = fmt::format("the river edge {} -> {}", from, to);
+  if (burned.fault == BurningFault::not_a_forest)
     throw Error(ErrorKind::input, fmt::format("{}: {} leaves a vertex that has a river edge down already "
                                               "(--method dp wants rivers that only merge; use --method lp)",
                                               input.rivers_path, edge));
-  if (burning.fault == BurningFault::river_at_wingtip)
+  if (burned.fault == BurningFault::river_at_wingtip)
     throw Error(ErrorKind::input, fmt::format("{}: a triangle at {} has a third river vertex "
                                               "(--method dp cannot handle it; use --method lp)",
                                               input.rivers_path, edge));
-  if (burning.fault == BurningFault::infeasible)
+  if (burned.fault == BurningFault::infeasible)
     throw Error(ErrorKind::input, fmt::format("{}: the river down to and with {} cannot be embedded by moving river "
                                               "vertices only (use --method lp without --river-only)",
                                               arguments.tin, edge));
-  Embedding embedding;
-  embedding.height = std::move(burning.height);
-  embedding.objective = embedding.bound = burning.objective;
-  embedding.optimal = true;
-  embedding.rounds = 1;
-  embedding.rows = input.rivers.size() + input.num_wingtips();
-  embedding.columns = input.num_river_vertices();
-  return embedding;
+  return std::move(burned.embedding);
 }
 
 void warn(const EmbedInput& input, const Embedding& embedding) {
@@ -277,8 +265,8 @@ int embed(const EmbedArguments& arguments) {
   const RiverTerrain terrain = input.terrain();
   const double tolerance = options.quantum > 0 ? 0 : kUnstoredTolerance;
   EmbedResult result;
-  result.embedding = arguments.method == "dp" ? burn(arguments, input, options.constraints)
-                                              : embed_rivers(terrain, input.rivers, options);
+  result.embedding =
+      arguments.method == "dp" ? burn(arguments, input, options) : embed_rivers(terrain, input.rivers, options);
   result.height = result.embedding.height;
   if (!arguments.fill.empty()) {
     result.fill = fill_rivers(arguments.fill, input, options.constraints, result.embedding.height, tolerance);

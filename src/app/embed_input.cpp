@@ -136,10 +136,9 @@ void EmbedInput::refresh() {
 
 namespace {
 
+/// Edges of the TIN as it was given: before lines are inserted.
 void add_preserved(const EmbedArguments& arguments, const EmbedInput& input, RiverConstraints& constraints) {
   if (arguments.preserve_edges.empty()) return;
-  if (input.lines && arguments.match == "insert")
-    throw Error(ErrorKind::config, "--preserve-edges: inserting lines changes the edges of the TIN (use --match snap)");
   const TerrainEdges edges(input.triangle);
   for (const auto& [a, b] : read_edges(arguments.preserve_edges, input.num_given)) {
     if (!edges.contains(a, b))
@@ -171,14 +170,16 @@ void find_outlet_vertices(const EmbedArguments& arguments, EmbedInput& input, co
     if (mouth.kind == MouthKind::closed) input.is_outlet[mouth.vertex] = 1;
 }
 
-/// An edge that a Steiner point cut has no type any more.
+/// An edge that an inserted line or a Steiner point cut has no type any more.
 void drop_cut_edges(const EmbedInput& input, RiverConstraints& constraints) {
   if (constraints.preserve.empty()) return;
   const TerrainEdges edges(input.triangle);
   const std::size_t cut =
       std::erase_if(constraints.preserve, [&](const PreservedEdge& edge) { return !edges.contains(edge.a, edge.b); });
   if (cut > 0)
-    fmt::print(stderr, "hydrotin: {} edges to be preserved lie between rivers and were cut by Steiner points\n", cut);
+    fmt::print(stderr,
+               "hydrotin: {} edges to be preserved were cut by inserted lines or by Steiner points between rivers\n",
+               cut);
 }
 
 /// Mouths, chains to outlets, and wingtips that are free to rise.
@@ -210,6 +211,7 @@ EmbedInput read_embed_input(const EmbedArguments& arguments, RiverConstraints& c
   input.refresh();
   input.num_given = static_cast<std::uint32_t>(input.position.size());
   check_terrain(arguments.tin, input);
+  add_preserved(arguments, input, constraints);
   if (!arguments.rivers.empty()) {
     input.rivers_path = arguments.rivers;
     input.lines = match_lines(arguments, input.mesh);
@@ -227,7 +229,7 @@ EmbedInput read_embed_input(const EmbedArguments& arguments, RiverConstraints& c
     constraints.lakes =
         read_lakes(arguments.lakes, input.position, input.mesh.crs_wkt, missing_wkt, arguments.lake_level);
   join_lakes(input, constraints);
-  add_preserved(arguments, input, constraints);
+  drop_cut_edges(input, constraints);
   if (arguments.wants_chains()) prepare_mouths(arguments, input, constraints);
   return input;
 }

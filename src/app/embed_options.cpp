@@ -46,17 +46,16 @@ void check_method(const EmbedArguments& arguments, const RiverConstraints& const
   const auto clash = [](const std::string& option) {
     throw Error(ErrorKind::config, option +
                                        ": --method dp moves river vertices for flow, valley, decline and side "
-                                       "slope only (use --method lp)");
+                                       "slope only, and ends by itself (use --method lp)");
   };
   if (constraints.contiguity != Contiguity::none) clash("--contiguous");
   if (!arguments.lakes.empty()) clash("--lakes");
   if (arguments.max_change > 0) clash("--max-change");
-  if (arguments.quantum > 0) clash("--quantum");
   if (arguments.no_flow) clash("--no-flow");
   if (arguments.no_valley) clash("--no-valley");
-  if (arguments.wants_chains()) clash(arguments.rivers.empty() ? "--outlets, --fill" : "--rivers");
   if (arguments.triangle_directions > 0) clash("--triangle-directions");
   if (!arguments.preserve_edges.empty()) clash("--preserve-edges");
+  if (arguments.time_limit > 0) clash("--time-limit");
 }
 
 }  // namespace

@@ -116,6 +116,8 @@ int print_plan(const PipelineOptions& options, bool as_json) {
                        {"tiles_in_flight", plan.tiles_in_flight},
                        {"memory_bytes", plan.memory_bytes},
                        {"disk_bytes", plan.disk_bytes},
+                       {"river_edges", plan.river_edges},
+                       {"river_bytes", plan.river_bytes},
                        {"seconds", plan.seconds},
                        {"units", units}};
     fmt::print("{}\n", json.dump(2));
@@ -130,6 +132,15 @@ int print_plan(const PipelineOptions& options, bool as_json) {
              static_cast<double>(plan.tile_bytes) / kMiB);
   fmt::print("tiles in flight  {}\n", plan.tiles_in_flight);
   fmt::print("memory           {:.1f} MiB\n", static_cast<double>(plan.memory_bytes) / kMiB);
+  if (plan.river_edges > 0) {
+    fmt::print("rivers           about {} river edges, {:.1f} MiB while they are matched ({:.1f} KiB an edge){}\n",
+               plan.river_edges, static_cast<double>(plan.river_bytes) / kMiB,
+               static_cast<double>(plan.river_bytes) / 1024.0 / static_cast<double>(plan.river_edges),
+               plan.river_bytes > options.run.memory_bytes
+                   ? ": more than run.memory, unless classes and thinning leave "
+                     "fewer points"
+                   : "");
+  }
   fmt::print("disk             {:.1f} MiB\n", static_cast<double>(plan.disk_bytes) / kMiB);
   fmt::print("time             {} (rough)\n", as_duration(plan.seconds));
   for (const auto& [phase, count] : units.items())

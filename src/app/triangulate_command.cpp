@@ -274,7 +274,7 @@ void add_triangulate_command(CLI::App& program, Action& action) {
       ->check(CLI::IsMember({"optimal", "ties", "lp", "flip", "hull"}));
   command->add_option("--max-polygon", a->budget.max_triangles, "triangles of a polygon that is searched")
       ->capture_default_str();
-  command->add_option("--max-ways", a->budget.max_ways, "ways to tie components before the linear program")
+  command->add_option("--max-ways", a->budget.max_ways, "ways to tie one component before the linear program")
       ->capture_default_str();
   command->add_option("--max-columns", a->budget.max_program, "triangles in a linear program")->capture_default_str();
   command->add_option("--max-branches", a->budget.max_branches, "linear programs for one polygon")

@@ -82,9 +82,11 @@ bool triangulate_with_degree(const PolygonGraph& graph, std::uint32_t most, cons
                              const std::vector<std::uint8_t>& closed, std::vector<std::uint32_t>& triangles) {
   const DegreeRule rule{graph, closed, most};
   PolygonProgram<DegreeRule> program;
-  if (!program.run(rule, graph, blocked, closed)) return false;
+  const OneWay way(graph, closed);
+  if (!program.run(rule, graph, way, blocked)) return false;
   triangles.clear();
-  program.read_back(rule, triangles);
+  program.read_back(rule, way,
+                    [&](std::uint32_t o, const DegreeRule::Entry&) { triangles.push_back(graph.option(o).triangle); });
   return true;
 }
 

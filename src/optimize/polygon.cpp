@@ -193,8 +193,7 @@ struct PolygonSolver::Impl {
   }
 
   void judge(PolygonResult& result) {
-    const bool counts_twice = by_minima() && !search.is_linear() && has_repeated_vertices();
-    result.optimal = search.is_proven() && !result.limit_missed && !counts_twice;
+    result.optimal = search.is_proven() && !result.limit_missed;
     if (kind_of(first()) == ObjectiveKind::bottleneck) {
       score_triangles(first());
       result.bound = result.optimal ? worst_score(answer.triangle) : unrestricted_side_bound();
@@ -221,7 +220,7 @@ struct PolygonSolver::Impl {
     const bool is_sum = kind_of(first()) == ObjectiveKind::quadrilateral_sum;
     double best = kInfinity, bound = kInfinity;
     std::uint64_t best_foreign = 0;
-    search.for_each_way(blocked, [&](const auto& way_blocked, const auto& closed, std::uint32_t) {
+    search.for_each_way(blocked, [&](const auto& way_blocked, const auto& closed) {
       ++result.programs;
       if (!program.run(graph, options, beyond, way_blocked, closed, triangles) || triangles.size() != size()) return;
       bound = std::min(bound, program.value() - (is_sum ? num_uncounted(closed) : 0));
@@ -262,7 +261,7 @@ struct PolygonSolver::Impl {
 
   bool try_degree(std::uint32_t most, std::vector<std::uint32_t>& triangles, PolygonResult& result) {
     bool found = false;
-    search.for_each_way(blocked, [&](const auto& way_blocked, const auto& closed, std::uint32_t) {
+    search.for_each_way(blocked, [&](const auto& way_blocked, const auto& closed) {
       if (found) return;
       ++result.programs;
       found = triangulate_with_degree(graph, most, way_blocked, closed, triangles) && triangles.size() == size();
@@ -402,17 +401,6 @@ struct PolygonSolver::Impl {
 
   [[nodiscard]] std::size_t size() const { return is_loose() ? problem->delaunay.size() : problem->num_triangles; }
 
-  // Whether a vertex stands on the boundary twice: its two corners may both count the same service.
-  [[nodiscard]] bool has_repeated_vertices() const {
-    std::vector<std::uint8_t> count(problem->position.size(), 0);
-    bool repeated = false;
-    for (std::uint32_t e = 0; e < graph.num_edges(); ++e) {
-      const std::uint32_t twin = PolygonGraph::twin(e);
-      if (graph.edge(twin).is_boundary) repeated = repeated || count[graph.edge(e).origin]++ > 0;
-    }
-    return repeated || problem->components > 0;
-  }
-
   // ---- the whole ----
 
   // Nothing else can serve more vertices, or has more Delaunay edges.
@@ -486,7 +474,7 @@ struct PolygonSolver::Impl {
                         kind != ObjectiveKind::quadrilateral_bottleneck;
     if (flips_serve_all(result)) return true;
     answer.triangle.clear();
-    if (!search.is_within_budget() || (!staged && search.is_linear())) return fall_back(result);
+    if (!search.is_within_budget() || (!staged && !search.has_few_ways())) return fall_back(result);
     if (!staged && result.limit_missed) std::fill(blocked.begin(), blocked.end(), std::uint8_t{0});
     if (kind == ObjectiveKind::degree) return solve_degrees(result);
     if (!staged) return solve_quadrilaterals(result);

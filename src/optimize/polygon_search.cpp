@@ -5,16 +5,15 @@
 #include <numeric>
 #include <utility>
 
+#include "double_counts.h"
 #include "linear_program.h"
 #include "sum_rule.h"
 
 namespace hydrotin {
 namespace {
 
-constexpr std::uint32_t kTriangleVisits = 1U << 20;  // by all dynamic programs for the ties of one polygon
+constexpr std::uint32_t kTriangleVisits = 1U << 20;  // by the dynamic programs for the ties of one polygon
 constexpr std::uint32_t kTriangleVisitsWorthFlips = 1U << 16;
-constexpr std::uint64_t kWaysWorthInfluence = 6;
-constexpr std::uint32_t kMostTied = 16;  // components; to list the ties of more would take too long
 
 }  // namespace
 
@@ -24,9 +23,11 @@ struct PolygonSearch::Programs {
   struct One {
     using Rule = SumRule<Scalar, Slots, States>;
     PolygonProgram<Rule> program;
+    PolygonProgram<Rule, TieWays> tied_program;
 
-    [[nodiscard]] static Rule rule(const PolygonGraph& graph, const PolygonCosts& costs) {
-      return {graph.problem(), graph, costs, std::max(0, costs.minima_slot)};
+    [[nodiscard]] static Rule rule(const PolygonGraph& graph, const PolygonCosts& costs,
+                                   std::span<const std::uint8_t> wishes) {
+      return {graph.problem(), graph, costs, wishes, std::max(0, costs.minima_slot)};
     }
   };
 
@@ -55,27 +56,16 @@ void PolygonSearch::start(const PolygonGraph& graph, const PolygonOptions& optio
   incumbent_.clear();
   linear_ = options.method == ComponentMethod::linear_program;
   costly_ = false;
+  few_ways_ = !linear_;
   if (problem.components == 0 || linear_ || !is_within_budget()) return;
-  if (options.method != ComponentMethod::ties && problem.components > kMostTied) {
-    linear_ = true;
-    return;
-  }
+  const bool only_ties = options.method == ComponentMethod::ties;
+  const std::uint64_t affordable =
+      std::min<std::uint64_t>(options.budget.max_ways, kTriangleVisits / graph.num_triangles());
   ties_ = find_component_ties(problem, graph);
-  const std::uint64_t affordable = std::min(options.budget.max_ways, kTriangleVisits / graph.num_triangles());
-  const std::uint64_t num_ways = ties_.num_ways(affordable);
-  linear_ = num_ways > affordable && options.method != ComponentMethod::ties;
-  costly_ = num_ways > kTriangleVisitsWorthFlips / graph.num_triangles();
-  if (!linear_) order_components(num_ways);
-}
-
-void PolygonSearch::order_components(std::uint64_t num_ways) {
-  component_order_.resize(ties_.num_components());
-  std::iota(component_order_.begin(), component_order_.end(), 0U);
-  influence_ = {};
-  if (num_ways < kWaysWorthInfluence) return;
-  influence_ = influence_of(ties_, *graph_);
-  std::stable_sort(component_order_.begin(), component_order_.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return influence_.of(a).size() < influence_.of(b).size(); });
+  few_ways_ = only_ties || ties_.num_ways(affordable) <= affordable;
+  linear_ = !ways_.build(problem, graph, ties_, only_ties ? TieWays::kMostWays : options.budget.max_ways,
+                         only_ties ? TieWays::kMostVisits : kTriangleVisits);
+  costly_ = !linear_ && ways_.num_visits() > kTriangleVisitsWorthFlips;
 }
 
 bool PolygonSearch::is_within_budget() const {
@@ -85,11 +75,7 @@ bool PolygonSearch::is_within_budget() const {
 }
 
 bool PolygonSearch::run(const PolygonCosts& costs, const std::vector<std::uint8_t>& blocked, PolygonAnswer& best) {
-  if (linear_) return run_linear(costs, blocked, best);
-  closed_.assign(graph_->num_edges(), 0);
-  if (graph_->problem().components > 0) return run_ties(costs, blocked, best);
-  blocked_.assign(blocked.begin(), blocked.end());
-  return run_program(costs, best);
+  return linear_ ? run_linear(costs, blocked, best) : run_program(costs, blocked, best);
 }
 
 // Local minima, then Delaunay edges: in one number of 64 bits.
@@ -98,11 +84,11 @@ bool PolygonSearch::is_packable(const PolygonCosts& costs) const {
          graph_->num_triangles() < Programs::Packed::Rule::kMostPacked;
 }
 
-// Calls run(program, rule) with those that fit the costs.
+// Calls run(programs, rule) with those that fit the costs.
 template <class Run>
-bool PolygonSearch::with_program(const PolygonCosts& costs, Run run) {
+bool PolygonSearch::with_programs(const PolygonCosts& costs, std::span<const std::uint8_t> wishes, Run run) {
   Programs& p = *programs_of_;
-  const auto with = [&](auto& one) { return run(one.program, one.rule(*graph_, costs)); };
+  const auto with = [&](auto& one) { return run(one, one.rule(*graph_, costs, wishes)); };
   if (costs.minima_slot < 0)
     return costs.num_slots == 1   ? with(p.sum1)
            : costs.num_slots == 2 ? with(p.sum2)
@@ -112,50 +98,53 @@ bool PolygonSearch::with_program(const PolygonCosts& costs, Run run) {
   return costs.num_slots <= 4 ? with(p.minima4) : with(p.minima8);
 }
 
-// `solve` runs the program that it is given and says whether its answer is worth to be read.
-template <class Solve>
-bool PolygonSearch::answer_of_program(const PolygonCosts& costs, PolygonAnswer& answer, Solve solve) {
+bool PolygonSearch::run_counted(const PolygonCosts& costs, std::span<const std::uint8_t> wishes,
+                                const std::vector<std::uint8_t>& blocked, CountedAnswer& out) {
   ++programs_;
-  answer.triangle.clear();
-  const bool solved = with_program(costs, [&](auto& program, const auto& rule) {
-    if (!solve(program, rule)) return false;
-    program.read_back(rule, answer.triangle);
-    return true;
+  out.answer.triangle.clear();
+  out.counted_twice.clear();
+  count_.assign(graph_->problem().position.size(), 0);
+  const auto count = [&](std::uint32_t v) {
+    if (++count_[v] == 2) out.counted_twice.push_back(v);
+  };
+  const bool solved = with_programs(costs, wishes, [&](auto& programs, const auto& rule) {
+    const auto with = [&](auto& program, const auto& ways) {
+      if (!program.run(rule, *graph_, ways, blocked)) return false;
+      program.read_back(rule, ways, [&](std::uint32_t o, const auto& entry) {
+        const Option& option = graph_->option(o);
+        out.answer.triangle.push_back(option.triangle);
+        if (costs.minima_slot >= 0 && rule.counts_apex(o, entry)) count(option.apex);
+      });
+      for (const std::uint32_t v : rule.counted_ends(program.root_cell())) count(v);
+      out.claimed = rule.best_value(program.root_cell());
+      return true;
+    };
+    if (graph_->problem().components > 0) return with(programs.tied_program, ways_);
+    closed_.assign(graph_->num_edges(), 0);
+    return with(programs.program, OneWay(*graph_, closed_));
   });
-  if (!solved || answer.triangle.size() != size_) return false;
-  answer.value = value_of(*graph_, costs, answer.triangle);
+  if (!solved || out.answer.triangle.size() != size_) return false;
+  out.answer.value = value_of(*graph_, costs, out.answer.triangle);
   return true;
 }
 
-bool PolygonSearch::run_program(const PolygonCosts& costs, PolygonAnswer& answer) {
-  return answer_of_program(
-      costs, answer, [&](auto& program, const auto& rule) { return program.run(rule, *graph_, blocked_, closed_); });
-}
-
-// What only other components' ties have an influence on is kept from the run before. The answer is not read if it
-// cannot beat a value.
-bool PolygonSearch::run_program_again(const PolygonCosts& costs, std::uint32_t num_changed, const SlotValues* to_beat,
-                                      PolygonAnswer& answer) {
-  return answer_of_program(costs, answer, [&](auto& program, const auto& rule) {
-    for (std::uint32_t i = 0; i < num_changed; ++i) program.forget(influence_.of(component_order_[i]));
-    return program.run_again(rule, *graph_, blocked_, closed_) &&
-           (to_beat == nullptr || rule.best_value(program.root_cell()) < *to_beat);
-  });
-}
-
-bool PolygonSearch::run_ties(const PolygonCosts& costs, const std::vector<std::uint8_t>& blocked, PolygonAnswer& best) {
-  bool found = false, first = true;
-  PolygonAnswer answer;
-  for_each_way(blocked, [&](const auto&, const auto&, std::uint32_t num_changed) {
-    const bool again = !first && influence_.begin.size() > 1;
-    first = false;
-    const bool solved = again ? run_program_again(costs, num_changed, found ? &best.value : nullptr, answer)
-                              : run_program(costs, answer);
-    if (!solved || (found && !(answer.value < best.value))) return;
-    found = true;
-    std::swap(best, answer);
-  });
-  return found;
+bool PolygonSearch::run_program(const PolygonCosts& costs, const std::vector<std::uint8_t>& blocked,
+                                PolygonAnswer& best) {
+  const std::span<const std::uint8_t> wishes = graph_->problem().wants_lower;
+  CountedAnswer& root = counted_;
+  if (!run_counted(costs, wishes, blocked, root)) return false;
+  std::swap(best, root.answer);
+  if (costs.minima_slot < 0 || best.value == root.claimed) return true;  // nothing can be better
+  const auto program = [&](std::span<const std::uint8_t> other_wishes, const std::vector<std::uint8_t>& other_blocked,
+                           CountedAnswer& out) { return run_counted(costs, other_wishes, other_blocked, out); };
+  if (resolve_double_counts(*graph_, costs, blocked, program, options_->budget.max_branches, root, best)) return true;
+  if (options_->method == ComponentMethod::automatic && graph_->num_triangles() <= options_->budget.max_program) {
+    offer(best.triangle);
+    return run_linear(costs, blocked, best);
+  }
+  first_bound_ = from_fixed(root.claimed[0]);
+  proven_ = false;
+  return true;
 }
 
 bool PolygonSearch::run_linear(const PolygonCosts& costs, const std::vector<std::uint8_t>& blocked,

@@ -130,7 +130,7 @@ bool QuadrilateralProgram::pass(Rule& rule, const PolygonGraph& graph, const std
                                 const std::vector<std::uint8_t>& closed) {
   state_.assign(graph.num_options(), {});
   PolygonProgram<Rule> order;
-  order.run(rule, graph, blocked, closed);
+  order.run(rule, graph, OneWay(graph, closed), blocked);
   best_ = kNoEdge;
   Value best;
   const std::uint32_t root = graph.root();

@@ -13,6 +13,7 @@ namespace {
 
 using Number = boost::multiprecision::cpp_rational;
 constexpr auto kNone = static_cast<std::uint32_t>(-1);
+constexpr double kStorageSlack = 1e-8;  // what turning rationals into doubles may cost
 
 struct Line {
   Number slope, offset;
@@ -55,9 +56,12 @@ Line tangent(const std::vector<Line>& lines, const Number& h, int sign, int side
 
 class Burner {
  public:
-  Burner(const RiverTerrain& terrain, std::span<const RiverEdge> rivers, std::span<const double> decline,
-         double side_slope)
-      : terrain_(terrain), rivers_(rivers), decline_(decline), side_slope_(side_slope), links_(link_terrain(terrain)) {}
+  Burner(const RiverTerrain& terrain, std::span<const RiverEdge> rivers, const BurningRows& rows)
+      : terrain_(terrain),
+        rivers_(rivers),
+        rows_(rows),
+        num_valleys_(static_cast<std::uint32_t>(rivers.size() - rows.num_chains)),
+        links_(link_terrain(terrain)) {}
 
   Burning run() {
     if (!check_shape()) return std::move(result_);
@@ -87,7 +91,7 @@ class Burner {
       is_river[rivers_[e].from] = is_river[rivers_[e].to] = 1;
       ++begin_[rivers_[e].to + 1];
     }
-    for (std::uint32_t e = 0; e < rivers_.size(); ++e) {
+    for (std::uint32_t e = 0; e < num_valleys_; ++e) {
       const Wingtips tips = wingtips(terrain_, links_, rivers_[e].from, rivers_[e].to);
       for (int i = 0; i < tips.count; ++i)
         if (is_river[tips.vertex[i]] != 0) return fail(BurningFault::river_at_wingtip, e);
@@ -114,12 +118,22 @@ class Burner {
     const auto at = [&](std::uint32_t v, std::size_t axis) { return Number(terrain_.position[v][axis]); };
     const Number x = at(to, 0) - at(from, 0), y = at(to, 1) - at(from, 1);
     EdgeRegion region;
-    region.floors.push_back({1, Number(decline_[e])});
+    const bool has_quantum = rows_.quantum > 0;
+    const double slack = has_quantum ? kStorageSlack : 0;
+    region.floors.push_back({1, Number(rows_.decline[e]) + Number(rows_.quantum) + Number(slack)});
+    if (e >= num_valleys_) return region;
     const Wingtips tips = wingtips(terrain_, links_, from, to);
     for (int i = 0; i < tips.count; ++i) {
       const std::uint32_t w = tips.vertex[i];
       const Number t = ((at(w, 0) - at(from, 0)) * x + (at(w, 1) - at(from, 1)) * y) / (x * x + y * y);
-      const Number roof = Number(terrain_.height[w]) - Number(side_slope_ == 0 ? 0.0 : side_slope_ * distance(e, w));
+      Number roof = Number(terrain_.height[w]);
+      if (rows_.side_slope != 0) roof -= Number(rows_.side_slope * distance(e, w));
+      if (has_quantum) {
+        // As the row of the linear program, whose wingtip may move, too.
+        const Number weights = 1 + abs(t) + abs(1 - t),
+                     scale = std::max({Number(1), Number(abs(t)), Number(abs(1 - t))});
+        roof -= weights * Number(rows_.quantum) / 2 + scale * Number(slack);
+      }
       // (1 - t) x + t h <= roof
       const Number share = 1 - t;
       if (share == 0) {
@@ -315,8 +329,8 @@ class Burner {
 
   RiverTerrain terrain_;
   std::span<const RiverEdge> rivers_;
-  std::span<const double> decline_;
-  double side_slope_;
+  BurningRows rows_;
+  std::uint32_t num_valleys_;
   TerrainLinks links_;
   std::vector<std::uint32_t> down_, begin_, above_, order_;  // edge down; edges that end at a vertex (CSR); downstream
   std::vector<EdgeRegion> region_;                           // [R]
@@ -327,9 +341,78 @@ class Burner {
 
 }  // namespace
 
-Burning burn_rivers(const RiverTerrain& terrain, std::span<const RiverEdge> rivers, std::span<const double> decline,
-                    double side_slope) {
-  return Burner(terrain, rivers, decline, side_slope).run();
+Burning burn_rivers(const RiverTerrain& terrain, std::span<const RiverEdge> rivers, const BurningRows& rows) {
+  return Burner(terrain, rivers, rows).run();
+}
+
+namespace {
+
+std::vector<std::uint32_t> ends_of(const std::vector<RiverEdge>& edges) {
+  std::vector<std::uint32_t> ends;
+  for (const auto& [from, to] : edges) ends.insert(ends.end(), {from, to});
+  std::sort(ends.begin(), ends.end());
+  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+  return ends;
+}
+
+std::vector<double> declines_of(const RiverTerrain& terrain, std::span<const RiverEdge> rivers,
+                                const RiverConstraints& constraints) {
+  if (constraints.decline_measure == DeclineMeasure::fraction)
+    return fractional_declines(terrain, rivers, constraints.decline);
+  std::vector<double> out(rivers.size(), 0.0);
+  if (constraints.decline_measure == DeclineMeasure::none) return out;
+  for (std::size_t e = 0; e < rivers.size(); ++e) {
+    const auto &p = terrain.position[rivers[e].from], &q = terrain.position[rivers[e].to];
+    out[e] = constraints.decline * std::hypot(q[0] - p[0], q[1] - p[1]);
+  }
+  return out;
+}
+
+}  // namespace
+
+BurnedEmbedding embed_by_burning(const RiverTerrain& terrain, std::span<const RiverEdge> rivers,
+                                 const EmbeddingOptions& options) {
+  const RiverConstraints& constraints = options.constraints;
+  std::vector<RiverEdge> edges(rivers.begin(), rivers.end());
+  edges.insert(edges.end(), constraints.chain.begin(), constraints.chain.end());
+  BurnedEmbedding out;
+  Embedding& embedding = out.embedding;
+  embedding.touched = ends_of(edges);
+  for (const std::uint32_t v : embedding.touched)
+    if (!options.is_complete.empty() && options.is_complete[v] == 0) embedding.incomplete.push_back(v);
+  if (!embedding.incomplete.empty()) return out;
+  std::vector<double> decline = declines_of(terrain, rivers, constraints);
+  if (constraints.decline_measure == DeclineMeasure::fraction) {
+    const RiverNetworks networks = connect_networks(terrain, rivers);
+    for (std::uint32_t i = 0; i < networks.num_networks; ++i)
+      if (!(networks.drop[i] > 0)) embedding.clamped_networks.push_back(i);
+  }
+  decline.resize(edges.size(), 0.0);
+  Burning burning =
+      burn_rivers(terrain, edges, {decline, constraints.side_slope, constraints.chain.size(), options.quantum});
+  out.fault = burning.fault;
+  if (burning.fault != BurningFault::none) {
+    out.edge = edges[burning.edge];
+    return out;
+  }
+  embedding.height = std::move(burning.height);
+  embedding.bound = embedding.objective = burning.objective;
+  if (options.quantum > 0) {
+    embedding.objective = 0;
+    for (const std::uint32_t v : embedding.touched) {
+      double& h = embedding.height[v];
+      if (h != terrain.height[v]) h = std::round(h / options.quantum) * options.quantum;
+      embedding.objective += std::abs(h - terrain.height[v]);
+    }
+  }
+  embedding.optimal = true;
+  embedding.rounds = 1;
+  embedding.columns = embedding.touched.size();
+  embedding.rows = edges.size();
+  const TerrainLinks links = link_terrain(terrain);
+  for (const auto& [from, to] : rivers)
+    embedding.rows += static_cast<std::uint64_t>(wingtips(terrain, links, from, to).count);
+  return out;
 }
 
 std::vector<double> fractional_declines(const RiverTerrain& terrain, std::span<const RiverEdge> rivers,

@@ -46,9 +46,16 @@ std::vector<std::uint32_t> spread(const RiverTerrain& terrain, std::span<const R
 std::vector<RiverRow> river_table(const RiverTerrain& terrain, std::span<const RiverEdge> rivers,
                                   std::span<const std::uint32_t> river, std::uint32_t num_rivers,
                                   std::span<const double> after, double tolerance) {
+  return river_table(terrain, rivers, river, num_rivers, after, tolerance,
+                     river_faults(terrain, rivers, terrain.height, tolerance),
+                     river_faults(terrain, rivers, after, tolerance));
+}
+
+std::vector<RiverRow> river_table(const RiverTerrain& terrain, std::span<const RiverEdge> rivers,
+                                  std::span<const std::uint32_t> river, std::uint32_t num_rivers,
+                                  std::span<const double> after, double tolerance, const RiverFaults& old,
+                                  const RiverFaults& now) {
   std::vector<RiverRow> table(num_rivers);
-  const RiverFaults old = river_faults(terrain, rivers, terrain.height, tolerance);
-  const RiverFaults now = river_faults(terrain, rivers, after, tolerance);
   std::vector<std::uint32_t> at_source(terrain.num_vertices(), kNone);
   for (std::size_t e = 0; e < rivers.size(); ++e) {
     const auto [from, to] = rivers[e];

@@ -43,6 +43,13 @@ double steepest_descent(const RiverTerrain& terrain, std::span<const double> hei
   return std::max(-hu / std::hypot(a[0], a[1]), -hw / std::hypot(b[0], b[1]));
 }
 
+double steepest_way(const RiverTerrain& terrain, const TerrainLinks& links, std::span<const double> height,
+                    std::uint32_t v) {
+  double most = -HUGE_VAL;
+  for (const std::uint32_t corner : links.corners(v)) most = std::max(most, steepest_descent(terrain, height, corner));
+  return most;
+}
+
 std::vector<std::uint32_t> find_leaks(const RiverTerrain& terrain, const TerrainLinks& links,
                                       std::span<const RiverEdge> rivers, std::span<const double> height,
                                       double tolerance) {
@@ -58,13 +65,8 @@ std::vector<std::uint32_t> find_leaks(const RiverTerrain& terrain, const Terrain
   std::sort(sources.begin(), sources.end());
   sources.erase(std::unique(sources.begin(), sources.end()), sources.end());
   std::vector<std::uint32_t> leaks;
-  for (const std::uint32_t v : sources) {
-    double most = -HUGE_VAL;
-    for (const std::uint32_t corner : links.corners(v))
-      most = std::max(most, steepest_descent(terrain, height, corner));
-    const double slack = (tolerance > 0 ? tolerance : 1e-9) / shortest[v] + 1e-9 * std::abs(steepest[v]);
-    if (most > 0 && most > steepest[v] + slack) leaks.push_back(v);
-  }
+  for (const std::uint32_t v : sources)
+    if (is_leak(steepest_way(terrain, links, height, v), steepest[v], shortest[v], tolerance)) leaks.push_back(v);
   return leaks;
 }
 
@@ -83,6 +85,19 @@ std::uint64_t count_minima(const RiverTerrain& terrain, std::span<const double> 
 }
 
 }  // namespace
+
+std::vector<double> steepest_ways(const RiverTerrain& terrain, std::span<const double> height,
+                                  std::span<const std::uint32_t> vertices) {
+  const TerrainLinks links = link_terrain(terrain);
+  std::vector<double> out;
+  for (const std::uint32_t v : vertices) out.push_back(steepest_way(terrain, links, height, v));
+  return out;
+}
+
+bool is_leak(double steepest_way, double steepest_river, double shortest, double tolerance) {
+  const double slack = (tolerance > 0 ? tolerance : 1e-9) / shortest + 1e-9 * std::abs(steepest_river);
+  return steepest_way > 0 && steepest_way > steepest_river + slack;
+}
 
 RiverFaults river_faults(const RiverTerrain& terrain, std::span<const RiverEdge> rivers, std::span<const double> height,
                          double tolerance) {

@@ -37,10 +37,11 @@ std::vector<double> valley_floor(const RiverTerrain& terrain, std::span<const Ri
 
 std::vector<BindingLimit> binding_limits(const RiverTerrain& terrain, std::span<const RiverEdge> rivers,
                                          const RiverConstraints& constraints, std::span<const double> height,
-                                         double tolerance) {
+                                         double tolerance, double quantum) {
   std::vector<double> d(height.size());
   for (std::size_t v = 0; v < d.size(); ++v) d[v] = height[v] - terrain.height[v];
-  const RowCatalog catalog(terrain, rivers, constraints, 0);
+  const RowCatalog catalog(terrain, rivers, constraints, quantum);
+  tolerance += quantum;  // what rounding may have taken from a row that had no room
   std::vector<BindingLimit> limits;
   catalog.visit_all(d, [&](const Row& row) {
     if (row.kind != RowKind::slope_limit && row.kind != RowKind::triangle_slope) return;

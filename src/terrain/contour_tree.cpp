@@ -108,35 +108,71 @@ Ids by_vertex(const Ids& next, std::span<const std::uint32_t> ascending) {
 /// A vertex in both trees while they are merged; by rank.
 struct Node {
   std::uint32_t up = kNoVertex, down = kNoVertex;  // next in the join tree and in the split tree, maybe merged already
-  std::uint32_t num_below = 0, num_above = 0;      // nodes whose up, down is this one; kMerged
+  std::uint32_t num_below = 0, num_above = 0;      // nodes whose up, down is this one; merged: kMerged, end of the arc
 };
 constexpr std::uint32_t kMerged = kNoVertex;
 
-std::uint32_t skip_merged(std::vector<Node>& node, std::uint32_t v, std::uint32_t Node::*next) {
-  while (node[v].*next != kNoVertex && node[node[v].*next].num_below == kMerged)
-    node[v].*next = node[node[v].*next].*next;
-  return node[v].*next;
-}
+/// Merges a join tree and a split tree. Whatever the order, a leaf of one that is on a path of the other can be taken
+/// away with its arc, so many walks from leaf to leaf go on in turns: each of them waits for memory, but not for the
+/// others.
+class TreeMerger {
+ public:
+  explicit TreeMerger(std::vector<Node>& node) : node_(node) {}
 
-/// Merges a vertex that is a leaf of one tree and on a path of the other: its only arc left is that of the leaf.
-/// Returns the other end of the arc, kNoVertex if v is no such vertex.
-std::uint32_t merge_leaf(std::vector<Node>& node, std::uint32_t v) {
-  if (node[v].num_below == 0 && node[v].num_above == 1) {
-    const std::uint32_t w = skip_merged(node, v, &Node::up);
-    if (w == kNoVertex) return kNoVertex;
-    --node[w].num_below;
-    node[v].num_below = kMerged;
-    return w;
+  void run() {
+    constexpr std::size_t kWalks = 16;
+    std::uint32_t walk[kWalks];
+    std::size_t num_walks = 0;
+    for (std::uint32_t seed = 0; seed < node_.size() || num_walks > 0;) {
+      while (num_walks < kWalks && seed < node_.size()) {
+        if (is_leaf(node_[seed])) fetch_next(walk[num_walks++] = seed);
+        ++seed;
+      }
+      for (std::size_t i = 0; i < num_walks;) {
+        walk[i] = merge_leaf(walk[i]);
+        if (walk[i] == kNoVertex)
+          walk[i] = walk[--num_walks];
+        else
+          fetch_next(walk[i++]);
+      }
+    }
   }
-  if (node[v].num_above == 0 && node[v].num_below == 1) {
-    const std::uint32_t w = skip_merged(node, v, &Node::down);
-    if (w == kNoVertex) return kNoVertex;
-    --node[w].num_above;
-    node[v].num_below = kMerged;
-    return w;
+
+ private:
+  [[nodiscard]] static bool is_leaf(const Node& v) {
+    return (v.num_below == 0 && v.num_above == 1) || (v.num_above == 0 && v.num_below == 1);
   }
-  return kNoVertex;
-}
+
+  void fetch_next(std::uint32_t v) const {
+    const std::uint32_t w = node_[v].num_below == 0 ? node_[v].up : node_[v].down;
+    if (w != kNoVertex) __builtin_prefetch(&node_[w]);
+  }
+
+  std::uint32_t skip_merged(std::uint32_t v, std::uint32_t Node::*next) {
+    while (node_[v].*next != kNoVertex && node_[node_[v].*next].num_below == kMerged)
+      node_[v].*next = node_[node_[v].*next].*next;
+    return node_[v].*next;
+  }
+
+  /// Merges a vertex that is a leaf of one tree and on a path of the other: its only arc left is that of the leaf.
+  /// Returns the other end of the arc if that has become such a vertex, kNoVertex if not or if v is none.
+  std::uint32_t merge_leaf(std::uint32_t v) {
+    std::uint32_t w = kNoVertex;
+    if (node_[v].num_below == 0 && node_[v].num_above == 1) {
+      w = skip_merged(v, &Node::up);
+      if (w != kNoVertex) --node_[w].num_below;
+    } else if (node_[v].num_above == 0 && node_[v].num_below == 1) {
+      w = skip_merged(v, &Node::down);
+      if (w != kNoVertex) --node_[w].num_above;
+    }
+    if (w == kNoVertex) return kNoVertex;
+    node_[v].num_below = kMerged;
+    node_[v].num_above = w;
+    return is_leaf(node_[w]) ? w : kNoVertex;
+  }
+
+  std::vector<Node>& node_;
+};
 
 }  // namespace
 
@@ -186,21 +222,18 @@ std::optional<ContourTree> contour_tree(const VertexGraph& graph, std::span<cons
       if (down[v] != kNoVertex) ++node[down[v]].num_above;
     }
   }
+  TreeMerger(node).run();
   tree.other.assign(n, kNoVertex);
-  for (std::uint32_t seed = 0; seed < n; ++seed) {
-    if (node[seed].num_below == kMerged) continue;
-    for (std::uint32_t v = seed; v != kNoVertex;) {
-      const std::uint32_t w = merge_leaf(node, v);
-      if (w != kNoVertex) {
-        tree.other[tree.ascending[v]] = tree.ascending[w];
-        --num_left;
-      }
-      v = w;
-    }
+  constexpr std::uint32_t kAhead = 32;
+  for (std::uint32_t v = 0; v < n; ++v) {
+    if (v + kAhead < n) __builtin_prefetch(&tree.other[tree.ascending[v + kAhead]], 1);
+    if (node[v].num_below != kMerged) continue;
+    tree.other[tree.ascending[v]] = tree.ascending[node[v].num_above];
+    --num_left;
   }
   // What is left of a tree is one vertex; a cycle leaves more.
-  for (std::uint32_t v = 0; v < n; ++v)
-    if (node[v].num_below == 0 && node[v].num_above == 0) --num_left;
+  for (const Node& v : node)
+    if (v.num_below == 0 && v.num_above == 0) --num_left;
   if (num_left != 0) return std::nullopt;
   return tree;
 }

@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "min_heap.h"
+#include "bit_queue.h"
 #include "radix_sort.h"
 
 namespace hydrotin {
@@ -24,71 +24,97 @@ void sort_by_upper_half(std::vector<std::uint64_t>& keys) {
 
 }  // namespace
 
-ForestFinder::ForestFinder(const DrainageProblem& problem) : problem_(&problem) {
-  // A rank in 32 bits leaves the other half of a key to the surface.
-  const std::uint32_t k = problem.size();
-  std::vector<std::uint64_t> keys(k);
-  for (std::uint32_t v = 0; v < k; ++v)
-    keys[v] = (std::uint64_t{static_cast<std::uint32_t>(problem.height[v]) ^ 0x80000000u} << 32) | v;
-  sort_by_upper_half(keys);
-  by_height_.resize(k);
-  rank_.resize(k);
-  for (std::uint32_t i = 0; i < k; ++i) {
-    by_height_[i] = static_cast<std::uint32_t>(keys[i]);
-    rank_[by_height_[i]] = i;
+class ForestFinder::State {
+ public:
+  explicit State(const DrainageProblem& problem) : problem_(&problem) {
+    // A rank in 32 bits leaves the other half of a key to the surface.
+    const std::uint32_t k = problem.size();
+    keys_.resize(k);
+    for (std::uint32_t v = 0; v < k; ++v) keys_[v] = upper_half(problem.height[v]) | v;
+    sort_by_upper_half(keys_);
+    by_height_.resize(k);
+    for (std::uint32_t i = 0; i < k; ++i) by_height_[i] = static_cast<std::uint32_t>(keys_[i]);
   }
-}
 
-// The order is that of a queue of all reached members by (surface, rank). Most of them are reached before their turn in
-// the sorted list of all, which costs less than a queue; only those reached later, lower places of flats, are queued.
-void ForestFinder::run(std::span<const std::int32_t> surface, DrainageForest& forest) {
-  const DrainageProblem& problem = *problem_;
-  const std::uint32_t k = problem.size();
-  constexpr std::uint32_t kWaiting = kRoot - 1;
-  const auto key = [&](std::uint32_t v) {
-    return (std::uint64_t{static_cast<std::uint32_t>(surface[v]) ^ 0x80000000u} << 32) | rank_[v];
-  };
-  keys_.resize(k);
-  for (std::uint32_t i = 0; i < k; ++i) keys_[i] = key(by_height_[i]);
-  sort_by_upper_half(keys_);
-  member_.resize(k);
-  for (std::uint32_t v = 0; v < k; ++v) {
-    const bool leaves = problem.exit[v] != kNoLevel && problem.exit[v] <= surface[v];
-    member_[v] = {surface[v], rank_[v], leaves ? kRoot : kWaiting, false};
-  }
-  forest.order.clear();
-  MinHeap late;
-  for (std::size_t next = 0; next < k || !late.empty();) {
-    std::uint32_t v;
-    if (!late.empty() && (next == k || late.top() < keys_[next])) {
-      v = by_height_[static_cast<std::uint32_t>(late.pop())];
-      if (!late.empty()) __builtin_prefetch(&by_height_[static_cast<std::uint32_t>(late.top())]);
-    } else {
-      v = by_height_[static_cast<std::uint32_t>(keys_[next++])];
-      if (member_[v].parent == kWaiting) continue;  // reached later, from another place of its flat
+  // Members are taken from a queue of those that are reached, by their places in the order (surface, height, number).
+  void run(std::span<const std::int32_t> surface, DrainageForest& forest) {
+    const DrainageProblem& problem = *problem_;
+    const std::uint32_t k = problem.size();
+    find_places(surface);
+    queue_.reset(k);
+    for (std::uint32_t v = 0; v < k; ++v) {
+      if (problem.exit[v] == kNoLevel || problem.exit[v] > surface[v]) continue;
+      member_[v].parent = kRoot;
+      queue_.push(member_[v].place);
     }
-    member_[v].is_done = true;
-    forest.order.push_back(v);
-    const std::int32_t water = member_[v].surface;
-    for (const std::uint32_t w : problem.neighbors(v)) {
-      Member& m = member_[w];
-      if (m.is_done || m.surface < water) continue;
-      if (m.parent == kWaiting) {
-        m.parent = v;
-        const std::uint64_t place = (std::uint64_t{static_cast<std::uint32_t>(m.surface) ^ 0x80000000u} << 32) | m.rank;
-        if (next > 0 && place <= keys_[next - 1]) {
-          late.push(place);
-          __builtin_prefetch(&by_height_[m.rank]);
-          __builtin_prefetch(&problem.begin[w]);
+    forest.order.clear();
+    while (!queue_.empty()) {
+      const std::uint32_t v = by_place_[queue_.pop()];
+      if (!queue_.empty()) {
+        const std::uint32_t soon = by_place_[queue_.top()];
+        __builtin_prefetch(&problem.begin[soon]);
+        __builtin_prefetch(&member_[soon]);
+      }
+      member_[v].is_done = true;
+      forest.order.push_back(v);
+      const std::int32_t water = member_[v].surface;
+      for (const std::uint32_t w : problem.neighbors(v)) {
+        Member& m = member_[w];
+        if (m.is_done || m.surface < water) continue;
+        if (m.parent == kWaiting) {
+          m.parent = v;
+          queue_.push(m.place);
+        } else if (m.parent == kRoot && water < problem.exit[w]) {
+          m.parent = v;
         }
-      } else if (m.parent == kRoot && water < problem.exit[w]) {
-        m.parent = v;
       }
     }
+    assert(forest.order.size() == k && "the surface drains");
+    forest.parent.resize(k);
+    for (std::uint32_t v = 0; v < k; ++v) forest.parent[v] = member_[v].parent;
   }
-  assert(forest.order.size() == k && "the surface drains");
-  forest.parent.resize(k);
-  for (std::uint32_t v = 0; v < k; ++v) forest.parent[v] = member_[v].parent;
+
+ private:
+  static constexpr std::uint32_t kWaiting = kRoot - 1;
+  struct Member {  // what a visit of a neighbour looks at, in one piece of memory
+    std::int32_t surface = 0;
+    std::uint32_t place = 0, parent = kWaiting;
+    bool is_done = false;
+  };
+
+  [[nodiscard]] static std::uint64_t upper_half(std::int32_t height) {
+    return std::uint64_t{static_cast<std::uint32_t>(height) ^ 0x80000000u} << 32;
+  }
+
+  void find_places(std::span<const std::int32_t> surface) {
+    const std::uint32_t k = problem_->size();
+    constexpr std::uint32_t kAhead = 16;
+    for (std::uint32_t i = 0; i < k; ++i) keys_[i] = upper_half(surface[by_height_[i]]) | i;
+    sort_by_upper_half(keys_);
+    by_place_.resize(k);
+    member_.resize(k);
+    for (std::uint32_t v = 0; v < k; ++v) member_[v] = {surface[v], 0, kWaiting, false};
+    for (std::uint32_t i = 0; i < k; ++i) by_place_[i] = by_height_[static_cast<std::uint32_t>(keys_[i])];
+    for (std::uint32_t i = 0; i < k; ++i) {
+      if (i + kAhead < k) __builtin_prefetch(&member_[by_place_[i + kAhead]], 1);
+      member_[by_place_[i]].place = i;
+    }
+  }
+
+  const DrainageProblem* problem_;
+  std::vector<std::uint32_t> by_height_,
+      by_place_;  // members in the orders (height, number), (surface, height, number)
+  std::vector<Member> member_;
+  std::vector<std::uint64_t> keys_;
+  BitQueue queue_;
+};
+
+ForestFinder::ForestFinder(const DrainageProblem& problem) : problem_(&problem) {}
+ForestFinder::~ForestFinder() = default;
+
+void ForestFinder::run(std::span<const std::int32_t> surface, DrainageForest& forest) {
+  if (state_ == nullptr) state_ = std::make_unique<State>(*problem_);
+  state_->run(surface, forest);
 }
 
 std::uint32_t TreeRegression::meld(std::uint32_t a, std::uint32_t b) {

@@ -122,8 +122,8 @@ class LakeBreacher::State {
     }
     result_->num_unbreached = unbreached.size();
     std::sort(unbreached.begin(), unbreached.end());
-    if (is_bounded_ && unbreached.size() > 1) unbreached.resize(1);
-    for (const std::size_t i : unbreached) add_raised_path(i);
+    const std::size_t num_raised = is_bounded_ ? std::min<std::size_t>(unbreached.size(), 1) : unbreached.size();
+    for (std::size_t i = 0; i < num_raised; ++i) add_raised_path(unbreached[i]);
   }
 
   void add(std::uint32_t v, std::int32_t level) {
@@ -149,8 +149,9 @@ class LakeBreacher::State {
 
   void add_raised_path(std::size_t pit) {
     if (!breacher_.run_raised(plateau(pit))) return;
-    for (const std::uint32_t v : breacher_.search().path())
-      if (!terrain_->is_outlet[v]) add(v, kNoLevel);
+    const auto path = breacher_.search().path();
+    for (const std::uint32_t v : path)
+      if (!terrain_->is_outlet[v]) add(v, level_[path.back()]);
   }
 
   const ChangeableTerrain* terrain_;

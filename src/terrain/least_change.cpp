@@ -16,16 +16,22 @@ namespace {
 
 constexpr std::uint32_t kFewMembers = 100;      // below: every way of breaching is tried
 constexpr std::uint32_t kManyMembers = 10'000;  // above: with limited searches, only the breaches that are known
-constexpr std::int64_t kSmallGain = 200;        // and no round after one that gains less than this part of the cost
+constexpr std::int64_t kSmallGain = 20;         // and no round after one that gains less than this part of the cost
+
+/// A surface that drains, and the forest along which it was made, if it was made along one.
+struct Start {
+  std::vector<std::int32_t> surface;
+  DrainageForest forest;
+};
 
 /// Breaches what is left, where that is possible at all, along the forest by which the flood drains; the rest is
 /// lifted.
-std::vector<std::int32_t> breach_rest(const DrainageProblem& problem, const std::vector<std::int32_t>& surface,
-                                      const SearchLimits& limits) {
+Start breach_rest(const DrainageProblem& problem, const std::vector<std::int32_t>& surface, const SearchLimits& limits,
+                  ForestFinder& finder) {
   std::vector<std::int32_t> level = lift(problem, surface);
-  if (limits.max_visits == ~std::uint64_t{0} || level == surface) return level;
+  if (limits.max_visits == ~std::uint64_t{0} || level == surface) return {std::move(level), {}};
   DrainageForest forest;
-  ForestFinder(problem).run(level, forest);
+  finder.run(level, forest);
   std::vector<std::int32_t> lowered = surface;
   for (std::size_t i = forest.order.size(); i-- > 0;) {
     const std::uint32_t v = forest.order[i], p = forest.parent[v];
@@ -34,13 +40,12 @@ std::vector<std::int32_t> breach_rest(const DrainageProblem& problem, const std:
     lowered[p] = static_cast<std::int32_t>(std::max<std::int64_t>(lowered[v], floor));
     if (!problem.lower.empty()) lowered[p] = std::max(lowered[p], problem.lower[p]);
   }
-  return lift(problem, lowered);
+  return {lift(problem, lowered), std::move(forest)};
 }
 
 /// Breaches the pits one after the other, then what is left.
-std::vector<std::int32_t> breach_in_turn(const DrainageProblem& problem, const LocalPits& pits,
-                                         const std::vector<std::uint32_t>& order, ChangeMeasure measure,
-                                         const SearchLimits& limits, BreachSearch& search) {
+Start breach_in_turn(const DrainageProblem& problem, const LocalPits& pits, const std::vector<std::uint32_t>& order,
+                     ChangeMeasure measure, const SearchLimits& limits, BreachSearch& search, ForestFinder& finder) {
   std::vector<std::int32_t> surface = problem.height;
   const ProblemGround ground{&problem, &surface, measure, limits.max_depth};
   for (const std::uint32_t i : order) {
@@ -50,7 +55,7 @@ std::vector<std::int32_t> breach_in_turn(const DrainageProblem& problem, const L
     if (!search.run(ground, pits.vertices(pit), level, limits.max_visits)) continue;
     for (const std::uint32_t v : search.path()) surface[v] = std::min(surface[v], level);
   }
-  return breach_rest(problem, surface, limits);
+  return breach_rest(problem, surface, limits, finder);
 }
 
 /// Cost in the sense of a measure, ties by total.
@@ -63,11 +68,10 @@ std::pair<std::int64_t, std::int64_t> rank_of(const DrainageProblem& problem, st
 }
 
 /// All surfaces made by breaching, lifted where that was not possible.
-std::vector<std::vector<std::int32_t>> breached_surfaces(const DrainageProblem& problem,
-                                                         const std::vector<std::int32_t>& level, ChangeMeasure measure,
-                                                         const SearchLimits& limits) {
-  std::vector<std::vector<std::int32_t>> surfaces;
-  if (!problem.breached.empty()) surfaces.push_back(breach_rest(problem, problem.breached, limits));
+std::vector<Start> breached_surfaces(const DrainageProblem& problem, const std::vector<std::int32_t>& level,
+                                     ChangeMeasure measure, const SearchLimits& limits, ForestFinder& finder) {
+  std::vector<Start> surfaces;
+  if (!problem.breached.empty()) surfaces.push_back(breach_rest(problem, problem.breached, limits, finder));
   const LocalPits pits = find_local_pits(problem, problem.height, level);
   if (measure == ChangeMeasure::max && !surfaces.empty())
     return surfaces;  // merging the best of each is the best of all
@@ -81,44 +85,49 @@ std::vector<std::vector<std::int32_t>> breached_surfaces(const DrainageProblem& 
     const LocalPit &p = pits.pit[a], &q = pits.pit[b];
     return std::tie(p.spill, p.height, p.first) < std::tie(q.spill, q.height, q.first);
   });
-  surfaces.push_back(breach_in_turn(problem, pits, order, measure, limits, search));
+  surfaces.push_back(breach_in_turn(problem, pits, order, measure, limits, search, finder));
   const auto by_spill = order;
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
     const LocalPit &p = pits.pit[a], &q = pits.pit[b];
     return std::tie(p.height, p.spill, p.first) < std::tie(q.height, q.spill, q.first);
   });
   if (order != by_spill && problem.size() <= kFewMembers)
-    surfaces.push_back(breach_in_turn(problem, pits, order, measure, limits, search));
+    surfaces.push_back(breach_in_turn(problem, pits, order, measure, limits, search, finder));
   return surfaces;
 }
 
-std::vector<std::int32_t> cheapest(const DrainageProblem& problem, std::vector<std::vector<std::int32_t>> surfaces,
-                                   ChangeMeasure measure) {
+Start cheapest(const DrainageProblem& problem, std::vector<Start> surfaces, ChangeMeasure measure) {
   const auto best =
-      std::ranges::min_element(surfaces, {}, [&](const auto& surface) { return rank_of(problem, surface, measure); });
+      std::ranges::min_element(surfaces, {}, [&](const Start& s) { return rank_of(problem, s.surface, measure); });
   return std::move(*best);
 }
 
 /// Rounds of forest and regression from a start.
 class Improver {
  public:
-  Improver(const DrainageProblem& problem, const std::vector<std::int32_t>& level, const LeastChangeOptions& options)
+  Improver(const DrainageProblem& problem, const std::vector<std::int32_t>& level, const LeastChangeOptions& options,
+           ForestFinder& finder)
       : problem_(&problem),
         level_(&level),
         options_(options),
         lower_(problem.lower),
         upper_(problem.upper),
-        finder_(problem) {}
+        finder_(&finder) {}
 
   void bound(std::vector<std::int32_t> lower, std::vector<std::int32_t> upper) {
     lower_ = std::move(lower);
     upper_ = std::move(upper);
   }
 
-  void improve(std::vector<std::int32_t> surface) {
+  /// @param start  of a large problem, the first round takes its forest instead of finding another.
+  void improve(Start start) {
+    std::vector<std::int32_t> surface = std::move(start.surface);
     auto cost = rank_of(*problem_, surface, options_.measure);
     for (int round = 0; round < options_.max_rounds; ++round) {
-      finder_.run(surface, forest_);
+      if (round == 0 && is_large() && !start.forest.order.empty())
+        forest_ = std::move(start.forest);
+      else
+        finder_->run(surface, forest_);
       if (options_.measure == ChangeMeasure::count)
         regression_.least_count(*problem_, forest_, next_);
       else
@@ -149,7 +158,7 @@ class Improver {
   LeastChangeOptions options_;
   std::vector<std::int32_t> lower_, upper_, next_, best_;
   std::pair<std::int64_t, std::int64_t> best_cost_;
-  ForestFinder finder_;
+  ForestFinder* finder_;
   DrainageForest forest_;
   TreeRegression regression_;
 };
@@ -194,27 +203,30 @@ Corridor narrowest_corridor(const DrainageProblem& problem, const std::vector<st
 std::vector<std::int32_t> breach_all(const DrainageProblem& problem, ChangeMeasure measure,
                                      const SearchLimits& limits) {
   const std::vector<std::int32_t> level = level_of(problem);
-  return cheapest(problem, breached_surfaces(problem, level, measure, limits), measure);
+  ForestFinder finder(problem);
+  return cheapest(problem, breached_surfaces(problem, level, measure, limits, finder), measure).surface;
 }
 
 std::vector<std::int32_t> least_change(const DrainageProblem& problem, const LeastChangeOptions& options) {
   assert(problem.lower.size() == problem.upper.size() && "both bounds or none");
   const std::vector<std::int32_t> level = level_of(problem);
-  Improver improver(problem, level, options);
+  ForestFinder finder(problem);
+  Improver improver(problem, level, options, finder);
   if (options.measure == ChangeMeasure::max) {
     Corridor c = narrowest_corridor(problem, level);
     improver.bound(std::move(c.lower), std::move(c.upper));
-    improver.improve(std::move(c.least));
+    improver.improve({std::move(c.least), {}});
     return improver.take_best();
   }
-  std::vector<std::int32_t> breached =
-      cheapest(problem, breached_surfaces(problem, level, options.measure, options.limits), options.measure);
-  const bool lifting_is_worse = rank_of(problem, breached, options.measure) < rank_of(problem, level, options.measure);
-  if (problem.size() <= kFewMembers || !lifting_is_worse) improver.improve(level);
+  Start breached =
+      cheapest(problem, breached_surfaces(problem, level, options.measure, options.limits, finder), options.measure);
+  const bool lifting_is_worse =
+      rank_of(problem, breached.surface, options.measure) < rank_of(problem, level, options.measure);
+  if (problem.size() <= kFewMembers || !lifting_is_worse) improver.improve({level, {}});
   improver.improve(std::move(breached));
   if (options.with_greedy) {
     GreedyBreach greedy = greedy_breach(problem, options.measure, options.limits.max_depth);
-    if (greedy.has_guarantee) improver.improve(std::move(greedy.surface));
+    if (greedy.has_guarantee) improver.improve({std::move(greedy.surface), {}});
   }
   return improver.take_best();
 }

@@ -133,37 +133,18 @@ class Reducer : private ContentSweep {
       if (!pools_[elder].drains || node_of_[pool] != kNone) elder = pool;
       drains = true;
     }
-    if (drains || meeting_.size() > 1) {
-      for (const std::uint32_t pool : meeting_)
-        if (!pools_[pool].drains) raise_prices(pool, height_[v]);
-      for (const std::uint32_t pool : meeting_)
-        if (!pools_[pool].drains && (drains || pool != elder)) end(pool, v, drains ? kNone : elder);
-      for (const std::uint32_t pool : meeting_)
-        if (pool != elder) absorb(elder, pool);
-    }
-    pools_[elder].drains = drains;
-    return elder;
+    return join(elder, v, drains,
+                [&](std::uint32_t pool, std::uint32_t into) -> PitBasin& { return add_pit(pool, into); });
   }
 
-  void end(std::uint32_t number, std::uint32_t v, std::uint32_t elder) {
-    Pool& pool = pools_[number];
-    const std::int32_t level = height_[v];
-    if (height_[pool.bottom] == level) {
-      pool.leader = kNone;
-      return;
-    }
-    const PoolContent content = content_of(number, level);
+  PitBasin& add_pit(std::uint32_t number, std::uint32_t elder) {
+    const std::uint32_t bottom = pools_[number].bottom;
     DecidedPit& pit = result_.pit.emplace_back();
-    pit.basin.pit = {position_[pool.bottom], id_[pool.bottom], height_[pool.bottom], 0};
+    pit.basin.pit = {position_[bottom], id_[bottom], height_[bottom], 0};
     pit.basin.spill_vertex = 0;
-    pit.basin.spill_position = position_[v];
-    pit.basin.spill_level = level;
-    pit.basin.num_vertices = static_cast<std::uint64_t>(content.num_below);
-    pit.basin.displacement = content.displacement(level);
-    pit.basin.doubled_area = content.doubled_area;
-    pit.basin.volume = static_cast<double>(sixfold_of(content)) / 6;
     if (elder != kNone) pit.parent = id_[pools_[elder].bottom];
     bottom_pool_.push_back(number);
+    return pit.basin;
   }
 
   ReducedPools result_;

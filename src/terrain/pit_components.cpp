@@ -1,6 +1,7 @@
 #include "hydrotin/pit_components.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <tuple>
@@ -12,6 +13,30 @@
 
 namespace hydrotin {
 namespace {
+
+/// Sorts a list of neighbours. Most have six or so: those are sorted by a network (Batcher's), whose steps do not
+/// depend on the numbers and so are not guessed wrong.
+void sort_neighbors(std::span<std::uint32_t> list) {
+  constexpr std::size_t kSize = 8;
+  if (list.size() > kSize) {
+    std::sort(list.begin(), list.end());
+    return;
+  }
+  std::array<std::uint32_t, kSize> a;
+  a.fill(kNoVertexNumber);
+  std::copy(list.begin(), list.end(), a.begin());
+  const auto order = [&](std::size_t i, std::size_t j) {
+    const std::uint32_t low = std::min(a[i], a[j]), high = std::max(a[i], a[j]);
+    a[i] = low, a[j] = high;
+  };
+  order(0, 1), order(2, 3), order(4, 5), order(6, 7);
+  order(0, 2), order(1, 3), order(4, 6), order(5, 7);
+  order(1, 2), order(5, 6);
+  order(0, 4), order(1, 5), order(2, 6), order(3, 7);
+  order(2, 4), order(3, 5);
+  order(1, 2), order(3, 4), order(5, 6);
+  std::copy(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(list.size()), list.begin());
+}
 
 std::vector<std::uint32_t> plateau_of(const ChangeableTerrain& terrain, std::uint32_t v) {
   std::vector<bool> is_seen(terrain.height.size());
@@ -303,19 +328,20 @@ void make_problem(const ChangeableTerrain& terrain, const PitComponents& compone
   problem.clear();
   for (std::uint32_t i = 0; i < member.size(); ++i) number[member[i]] = i;
   problem.begin.push_back(0);
-  for (const std::uint32_t v : member) {
+  constexpr std::size_t kAhead = 8;
+  for (std::size_t i = 0; i < member.size(); ++i) {
+    if (i + kAhead < member.size()) __builtin_prefetch(&terrain.graph->begin[member[i + kAhead]]);
+    const std::uint32_t v = member[i];
     const std::int32_t h = terrain.height[v];
     std::int32_t exit = kNoLevel;
     const std::size_t first = problem.neighbor.size();
     for (const std::uint32_t w : terrain.graph->neighbors(v)) {
-      if (number[w] == kNoVertexNumber) {
+      if (number[w] == kNoVertexNumber)
         exit = std::min(exit, terrain.height[w]);
-        continue;
-      }
-      problem.neighbor.push_back(number[w]);
-      for (std::size_t i = problem.neighbor.size() - 1; i > first && problem.neighbor[i] < problem.neighbor[i - 1]; --i)
-        std::swap(problem.neighbor[i], problem.neighbor[i - 1]);
+      else
+        problem.neighbor.push_back(number[w]);
     }
+    sort_neighbors(std::span(problem.neighbor).subspan(first));
     problem.begin.push_back(static_cast<std::uint32_t>(problem.neighbor.size()));
     problem.height.push_back(h);
     problem.exit.push_back(exit);

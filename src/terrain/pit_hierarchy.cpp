@@ -47,34 +47,11 @@ class Hierarchy : private PoolSweep {
     bool drains = is_outlet;
     for (const std::uint32_t pool : meeting_)
       if (pools_[pool].drains) elder = pool, drains = true;
-    if (drains || meeting_.size() > 1) {
-      for (const std::uint32_t pool : meeting_)
-        if (!pools_[pool].drains) raise_prices(pool, height_[v]);
-      for (const std::uint32_t pool : meeting_)
-        if (!pools_[pool].drains && (drains || pool != elder)) end_at_spill(pool, v, drains ? kNone : elder);
-      for (const std::uint32_t pool : meeting_)
-        if (pool != elder) absorb(elder, pool);
-    }
-    pools_[elder].drains = drains;
-    return elder;
-  }
-
-  void end_at_spill(std::uint32_t number, std::uint32_t v, std::uint32_t elder) {
-    Pool& pool = pools_[number];
-    const std::int32_t level = height_[v];
-    if (height_[pool.bottom] == level) {  // a part of a plateau that is no pit, or of one with another smallest vertex
-      pool.leader = kNone;
-      return;
-    }
-    PitBasin& pit = add_pit(number, elder);
-    pit.spill_vertex = v;
-    pit.spill_position = position_[v];
-    pit.spill_level = level;
-    pit.num_vertices = pool.num_vertices - (pool.top == level ? pool.num_at_top : 0);
-    pit.displacement = static_cast<std::int64_t>(pool.num_vertices) * level - pool.sum_of_heights;
-    Wide sixfold = 0;
-    measure_water(pool, level, pit.doubled_area, sixfold);
-    pit.volume = static_cast<double>(sixfold) / 6;
+    return join(elder, v, drains, [&](std::uint32_t pool, std::uint32_t into) -> PitBasin& {
+      PitBasin& pit = add_pit(pool, into);
+      pit.spill_vertex = v;
+      return pit;
+    });
   }
 
   void end_without_spill(std::uint32_t number) {

@@ -160,6 +160,39 @@ class PoolSweep {
     pool.spent = cost;
   }
 
+  /// The pools that meet at v become one, `elder`, which drains or not. Those that overflow there are pits unless v is
+  /// no higher than their bottoms: then they are parts of a plateau.
+  /// @param add_pit(pool, into)  a basin for the pit at the bottom of a pool; into: the pool it spills into, or kNone
+  template <class AddPit>
+  std::uint32_t join(std::uint32_t elder, std::uint32_t v, bool drains, AddPit add_pit) {
+    if (drains || meeting_.size() > 1) {
+      for (const std::uint32_t pool : meeting_)
+        if (!pools_[pool].drains) raise_prices(pool, height_[v]);
+      for (const std::uint32_t pool : meeting_) {
+        if (pools_[pool].drains || (!drains && pool == elder)) continue;
+        if (height_[pools_[pool].bottom] == height_[v])
+          pools_[pool].leader = kNone;
+        else
+          set_spill(pools_[pool], v, add_pit(pool, drains ? kNone : elder));
+      }
+      for (const std::uint32_t pool : meeting_)
+        if (pool != elder) absorb(elder, pool);
+    }
+    pools_[elder].drains = drains;
+    return elder;
+  }
+
+  void set_spill(Pool& pool, std::uint32_t v, PitBasin& pit) {
+    const std::int32_t level = height_[v];
+    pit.spill_position = position_[v];
+    pit.spill_level = level;
+    pit.num_vertices = pool.num_vertices - (pool.top == level ? pool.num_at_top : 0);
+    pit.displacement = static_cast<std::int64_t>(pool.num_vertices) * level - pool.sum_of_heights;
+    Wide sixfold = 0;
+    measure_water(pool, level, pit.doubled_area, sixfold);
+    pit.volume = static_cast<double>(sixfold) / 6;
+  }
+
   const VertexGraph* graph_;
   std::span<const std::uint32_t> triangle_;
   std::span<const std::int32_t> height_;

@@ -14,9 +14,11 @@
 /// The best order-k triangulation of one polygon.
 ///
 /// Source   thesis, Theorems 3.1 to 3.5: dynamic programming over directed edges, each solved once. Components inside
-///          are tied to the boundary in all the ways of Lemma 3.1 (with rightmost in place of topmost) if these are
-///          few; else a linear program over the triangles (the triangles left and right of every edge are equally many)
-///          is solved, with its dual as certificate, and branched on if it is not integral.
+///          are tied to the boundary as in Lemma 3.1, but not in all combinations: a tie is chosen where a triangle
+///          reaches the component, so that the ways of components add up instead of multiplying (quadrilaterals and
+///          degrees need all combinations). Where one component has too many, a linear program over the triangles (the
+///          triangles left and right of every edge are equally many) is solved, with its dual as certificate, and
+///          branched on if it is not integral. Vertices that local-minima would count twice are branched on.
 ///          For local-minima alone flips are tried before it: if they serve every vertex, nothing can be better.
 ///          A bottleneck is the least threshold under which the objectives before it keep their values.
 /// Symbols  n = vertices of the polygon, T = its Delaunay triangles, C = its other order-k triangles.
@@ -26,7 +28,7 @@
 ///       then for the apex that comes first in (x, y). (Where flips serve all, the first such answer is taken.)
 ///   (2) The answer is never worse than the Delaunay triangulation of the polygon, if that is admissible.
 ///   (3) `optimal` is claimed only if the whole class was searched, or a bound is met.
-/// Complexity: O((T + C) ways) time, O(T + C) memory, ways = 1 without components; a bottleneck adds a factor log C, a
+/// Complexity: O((T + C) ways) time, O(T + C) memory, ways = those of a component; a bottleneck adds a factor log C, a
 /// quadrilateral the number of triangles on an edge, a degree its value. No recursion.
 /// Threads  A solver is scratch memory: one per thread.
 
@@ -56,7 +58,7 @@ struct PolygonProblem {
 /// What the components inside a polygon are searched with.
 enum class ComponentMethod : std::uint8_t {
   automatic,       ///< ties if their ways are few, else the linear program
-  ties,            ///< all ways of Lemma 3.1
+  ties,            ///< ties, however many ways (up to 65,535 a component)
   linear_program,  ///< also where nothing is loose
   flips            ///< no search: Delaunay improved by flips, everywhere
 };
@@ -64,9 +66,9 @@ enum class ComponentMethod : std::uint8_t {
 /// What one polygon may cost. Beyond it the Delaunay triangles are improved by flips, with a bound.
 struct PolygonBudget {
   std::uint32_t max_triangles = 1U << 22;  ///< T + C of a polygon that is searched
-  std::uint32_t max_ways = 64;             ///< ways to tie components before the linear program takes over
+  std::uint32_t max_ways = 64;             ///< ways to tie one component before the linear program takes over
   std::uint32_t max_program = 8'000;       ///< columns of a linear program
-  std::uint32_t max_branches = 40;         ///< linear programs per polygon that is not integral at once
+  std::uint32_t max_branches = 40;         ///< programs per polygon that the first one does not decide
 
   friend bool operator==(const PolygonBudget&, const PolygonBudget&) = default;
 };

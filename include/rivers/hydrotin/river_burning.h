@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "hydrotin/river_embedding.h"
 #include "hydrotin/river_network.h"
 
 /// Rivers embedded by moving river vertices only, in strongly polynomial time.
@@ -38,13 +39,32 @@ struct Burning {
   std::uint64_t evaluations = 0;  ///< of slopes of some C_v
 };
 
-/// @param rivers   edges of the terrain without fault (`check_network`).
-/// @param decline  [R] least drop of each edge; 0 = weak flow.
-/// @param side_slope  of the wingtips; 0 = weak valleys.
+/// What the edges must satisfy.
+struct BurningRows {
+  std::span<const double> decline;  ///< [R] least drop of each edge; 0 = weak flow
+  double side_slope = 0;            ///< of the wingtips; 0 = weak valleys
+  std::size_t num_chains = 0;       ///< the last edges are of outlet chains: water must not climb, that is all
+  double quantum = 0;  ///< the rows hold with the margins of the linear program, so also for multiples of it
+};
+
+/// @param rivers   edges of the terrain without fault (`check_network`), those of chains last.
 /// Complexity: O(R^3) operations on numbers, O(R^2) evaluations at most; far fewer where rivers are nearly right.
 /// Fails: never on data; std::bad_alloc.
 [[nodiscard]] Burning burn_rivers(const RiverTerrain& terrain, std::span<const RiverEdge> rivers,
-                                  std::span<const double> decline, double side_slope);
+                                  const BurningRows& rows);
+
+/// The same as an answer to the constraints of an embedding: flow, valley, decline, side slope and outlet chains, with
+/// the vertices of rivers and chains moving only. Heights that moved are multiples of the quantum if there is one.
+struct BurnedEmbedding {
+  BurningFault fault = BurningFault::none;
+  RiverEdge edge;  ///< in question where there is a fault
+  Embedding embedding;
+};
+
+/// Preconditions: flow and valley are asked for; no lakes, preserved edges, contiguity, directions or largest change.
+/// The result is optimal among all heights of these vertices; `incomplete` as `embed_rivers` has it.
+[[nodiscard]] BurnedEmbedding embed_by_burning(const RiverTerrain& terrain, std::span<const RiverEdge> rivers,
+                                               const EmbeddingOptions& options);
 
 /// The least drops [R] of a decline that is a fraction of each network's average slope.
 [[nodiscard]] std::vector<double> fractional_declines(const RiverTerrain& terrain, std::span<const RiverEdge> rivers,

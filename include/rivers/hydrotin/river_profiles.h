@@ -32,6 +32,11 @@ struct RiverRow {
 [[nodiscard]] std::vector<RiverRow> river_table(const RiverTerrain& terrain, std::span<const RiverEdge> rivers,
                                                 std::span<const std::uint32_t> river, std::uint32_t num_rivers,
                                                 std::span<const double> after, double tolerance);
+/// The same with the faults before and after at hand.
+[[nodiscard]] std::vector<RiverRow> river_table(const RiverTerrain& terrain, std::span<const RiverEdge> rivers,
+                                                std::span<const std::uint32_t> river, std::uint32_t num_rivers,
+                                                std::span<const double> after, double tolerance, const RiverFaults& old,
+                                                const RiverFaults& now);
 
 /// Longest ways down of rivers as CSR: way of river g: vertex[begin[g] .. begin[g + 1]), from source to mouth.
 struct MainStems {

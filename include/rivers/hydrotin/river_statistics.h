@@ -29,6 +29,16 @@ struct RiverFaults {
 [[nodiscard]] RiverFaults river_faults(const RiverTerrain& terrain, std::span<const RiverEdge> rivers,
                                        std::span<const double> height, double tolerance);
 
+/// The steepest way down from some vertices over their triangles, rise over run; negative where all ways rise,
+/// -infinity without triangles. Of a vertex whose triangles are in several parts of a terrain the largest counts.
+/// Complexity: O(n + T).
+[[nodiscard]] std::vector<double> steepest_ways(const RiverTerrain& terrain, std::span<const double> height,
+                                                std::span<const std::uint32_t> vertices);
+
+/// Whether water leaks from a river vertex.
+/// @param steepest_river  slope of its steepest river edge down; @param shortest  length of its shortest one.
+[[nodiscard]] bool is_leak(double steepest_way, double steepest_river, double shortest, double tolerance);
+
 /// @param height     [n] to use in place of those of the terrain.
 /// @param tolerance  0: in exact arithmetic (heights as stored); otherwise what a height may be off [m].
 /// Complexity: O(n log n + T + R).

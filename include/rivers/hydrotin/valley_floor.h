@@ -27,10 +27,13 @@ struct BindingLimit {
 };
 
 /// @param tolerance  how near to the limit counts [m].
-/// Complexity: O(n + T). In (x, y) order.
+/// @param quantum    of the embedding: rows that leave no room for its margins are no rows, and its steps count as
+/// near. Complexity: O(n + T). In (x, y) order. Of a part of a terrain in which every vertex that moved has all its
+/// triangles it lists the same.
 [[nodiscard]] std::vector<BindingLimit> binding_limits(const RiverTerrain& terrain, std::span<const RiverEdge> rivers,
                                                        const RiverConstraints& constraints,
-                                                       std::span<const double> height, double tolerance);
+                                                       std::span<const double> height, double tolerance,
+                                                       double quantum = 0);
 
 /// Edges whose slope changed by more than the limit of the constraints; those with a vertex on a river or an outlet
 /// chain are exempt, and flat ones. Complexity: O(T log T).

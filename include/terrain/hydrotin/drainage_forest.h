@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -50,18 +51,13 @@ struct DrainageForest {
 class ForestFinder {
  public:
   explicit ForestFinder(const DrainageProblem& problem);
+  ~ForestFinder();
   void run(std::span<const std::int32_t> surface, DrainageForest& forest);
 
  private:
-  struct Member {  // what a visit of a neighbour looks at, in one piece of memory
-    std::int32_t surface = 0;
-    std::uint32_t rank = 0, parent = kRoot;
-    bool is_done = false;
-  };
+  class State;
   const DrainageProblem* problem_;
-  std::vector<std::uint32_t> by_height_, rank_;  // members in the order (height, number)
-  std::vector<Member> member_;
-  std::vector<std::uint64_t> keys_;
+  std::unique_ptr<State> state_;  // made by the first run
 };
 
 class TreeRegression {

@@ -17,8 +17,9 @@
 /// With `BreachLimits::max_visits` the work for a lake is bounded: each pit's search looks at so many vertices; of the
 /// pits for which these were too few, the lowest is searched for again, among the vertices not above the lake's level,
 /// until as many were looked at as four times the lake has. If neither finds a breach, the water of the lowest pit
-/// without one is treated as if it were raised to the lowest level at which any of these vertices drains. (Without
-/// `max_visits`: to the lowest of all outlets.)
+/// without one is treated as if it were raised to the lowest level at which any of these vertices drains, and the way
+/// there is lowered to that level. (Without `max_visits`: the lowest of all outlets.) So a lake below all that is in
+/// reach is not emptied, but sinks from its rim to that level.
 ///
 /// Source   thesis, Theorem 6.2; FINDINGS C3.
 /// Properties

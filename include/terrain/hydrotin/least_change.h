@@ -38,13 +38,14 @@ struct LeastChangeOptions {
   SearchLimits limits;
   bool with_greedy = false;  ///< starts from `greedy_breach` too
   int max_rounds = 3;        ///< regressions from each start; a round that gains nothing is the last, with limited
-                             ///< searches in problems of more than 10,000 members one that gains less than 0.5 %
+                             ///< searches in problems of more than 10,000 members one that gains less than 5 %
 };
 
 /// Lifts and lowers together: from the lifted surface and from the cheapest breached one, again and again finds the
 /// forest by which the surface drains and the best surface for this forest (drainage_forest.h), as long as that gains;
-/// the best one. For `max` the least possible largest displacement D is found first (the least D such that h - D,
-/// lifted, lies nowhere above h + D), then the total is reduced within h - D .. h + D.
+/// the best one. (With limited searches, in problems of more than 10,000 members, the first forest is the one along
+/// which the breached surface was made.) For `max` the least possible largest displacement D is found first (the least
+/// D such that h - D, lifted, lies nowhere above h + D), then the total is reduced within h - D .. h + D.
 ///
 /// Complexity: rounds times O((k + e) log k), plus `breach_all`.
 [[nodiscard]] std::vector<std::int32_t> least_change(const DrainageProblem& problem, const LeastChangeOptions& options);

@@ -13,8 +13,8 @@
 /// What hangs together around pits: the vertices that pit removal may move, in components that can be solved alone.
 ///
 /// Members are (a) the vertices that lifting raises; (b) the vertices that a breach of some pit by itself lowers
-/// (thesis, Theorem 6.2), or where it lies below all outlets in reach, that a breach of the water raised to the lowest
-/// of them lowers; (c) flats that drain through members only. Two members are in one component if edges join them
+/// (thesis, Theorem 6.2), or where it lies below all that drains in reach, that a breach of the water raised to the
+/// lowest of it lowers; (c) flats that drain through members only. Two members are in one component if edges join them
 /// through members. Outlets are never members.
 ///
 /// Why components are independent. Let f be the levels of `lift`; f = h outside the members. By (c) each vertex r

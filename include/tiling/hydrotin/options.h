@@ -22,6 +22,11 @@ enum class OutletPolicy : std::uint8_t {
   layer    ///< at the features of a file: PitOptions::outlet_layer
 };
 enum class PitMethod : std::uint8_t { none, lift, breach, greedy_breach, least_change };
+enum class PointsFile : std::uint8_t { none, las, gpkg };
+enum class RiverMethod : std::uint8_t {
+  lp,  ///< the linear program
+  dp,  ///< river vertices and outlet chains only, exact and strongly polynomial (Section 7.3)
+};
 enum class KeepWork : std::uint8_t { never, on_failure, always };
 
 struct InputOptions {
@@ -113,9 +118,15 @@ struct RiverOptions {
   bool use_z = false;           ///< inserted vertices take the z of the lines
   std::string direction_field;  ///< attribute that says how a line was drawn
   std::vector<std::string> reversed_values{"-1", "reversed", "upstream", "against"};  ///< its values for upstream
-  std::string name_field;        ///< attribute that names rivers; empty: networks are numbered
-  std::string lake_level_field;  ///< attribute with the level of a lake; empty: wherever is cheapest
-  RiverConstraints constraints;  ///< slopes as rise over run; without lakes, preserved edges and chains
+  std::string name_field;                    ///< attribute that names rivers; empty: networks are numbered
+  std::string lake_level_field;              ///< attribute with the level of a lake; empty: wherever is cheapest
+  PointsFile points_out = PointsFile::none;  ///< river vertices as points beside the other results
+  RiverMethod method = RiverMethod::lp;
+  double time_limit = 0;            ///< seconds for the program of each group of rivers; 0: none
+  std::string preserve_edges;       ///< lines along edges of the terrain whose type must not change; empty: none
+  bool preserve_drainage = true;    ///< ridge, valley, transfluent
+  bool preserve_curvature = false;  ///< convex, reflex
+  RiverConstraints constraints;     ///< slopes as rise over run; without lakes, preserved edges and chains
 
   [[nodiscard]] bool are_given() const { return !lines.empty(); }
 };

@@ -24,6 +24,8 @@ struct PlanSummary {
   std::uint64_t memory_bytes = 0;    ///< peak expected
   std::uint64_t disk_bytes = 0;      ///< scratch and output together
   double seconds = 0;                ///< rough, on this machine's workers
+  std::uint64_t river_edges = 0;     ///< expected, by the points that the headers claim
+  std::uint64_t river_bytes = 0;     ///< memory while they are matched
   std::string crs;                   ///< as EPSG:n or WKT; empty: none known
   std::vector<std::uint64_t> units;  ///< [kNumPhases]
 };

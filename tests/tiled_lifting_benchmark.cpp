@@ -151,10 +151,10 @@ void run(const Arguments& arguments) {
   row("  reduce to rims", reduce);
   row("  drain", global);
   row("  flood parts from their rims", again);
-  row("in tiles, two floods (target: 1.3)", reduce + global + again);
+  row("in tiles, two floods", reduce + global + again);
   row("  reduce to rims, catchments kept", reduce_and_keep);
   row("  levels from catchments", levels);
-  row("in tiles, one flood and its catchments (target: 1.3)", reduce_and_keep + global + levels);
+  row("in tiles, as runs do it (target: 1.3)", reduce_and_keep + global + levels);
   testing::Silent silent;
   for (const Phase phase : {Phase::nest, Phase::rank, Phase::weigh, Phase::choose, Phase::spill, Phase::drain,
                             Phase::pools, Phase::members, Phase::groups, Phase::settle, Phase::finish})

@@ -52,7 +52,7 @@ void add_rivers(const RiverOptions& rivers, RecipeHash& hash) {
 }  // namespace
 
 std::string recipe(const std::string& plan_recipe, const PipelineOptions& options, Phase phase) {
-  constexpr std::int64_t kFormat = 10;
+  constexpr std::int64_t kFormat = 11;
   RecipeHash hash;
   hash.add(kFormat).add(plan_recipe).add(std::string(name(phase)));
   if (phase >= Phase::thin && options.thin.vertical_error_m)

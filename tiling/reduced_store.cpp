@@ -38,6 +38,28 @@ SpillTree read_tree(const store::Reader& in) {
   return tree;
 }
 
+void write_catchments(store::Writer& out, const Catchments& catchments, std::span<const std::int32_t> height) {
+  std::vector<std::uint32_t> rise(height.size());  // most are 0, which takes no room
+  for (std::size_t v = 0; v < rise.size(); ++v)
+    rise[v] = static_cast<std::uint32_t>(catchments.level[v]) - static_cast<std::uint32_t>(height[v]);
+  out.append("catchment_rise", rise,
+             "z lattice: how much higher than the vertex water climbs to the nearest terminal, an entry of rim or an "
+             "outlet");
+  out.append("catchment_terminal", catchments.terminal, "that terminal: index into rim, 4294967295: an outlet");
+}
+
+Catchments read_catchments(const store::Reader& in, std::span<const std::int32_t> height, std::size_t num_rim) {
+  const auto rise = in.read<std::uint32_t>("catchment_rise");
+  Catchments out{std::vector<std::int32_t>(rise.size()), in.read<std::uint32_t>("catchment_terminal")};
+  if (rise.size() != height.size() || out.terminal.size() != height.size() ||
+      std::any_of(out.terminal.begin(), out.terminal.end(),
+                  [&](std::uint32_t t) { return t >= num_rim && t != kOutlet; }))
+    contradicts(in, "its catchments are not those of the tile's vertices");
+  for (std::size_t v = 0; v < rise.size(); ++v)
+    out.level[v] = static_cast<std::int32_t>(static_cast<std::uint32_t>(height[v]) + rise[v]);
+  return out;
+}
+
 void write_plateaus(store::Writer& out, const std::string& prefix, const PlateauSummary& summary) {
   const auto interleaved = [](const auto& points, auto position_of) {
     std::vector<std::int32_t> xy;

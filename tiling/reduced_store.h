@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <span>
 #include <string>
 
 #include "hydrotin/pits.h"
@@ -13,12 +16,20 @@
 /// [2P], `plateau_vertex` u64, `plateau_height` i32, `plateau_inner` u32, `plateau_drains` u8 [P], `plateau_rim_begin`
 /// u32 [P + 1], `plateau_rim` u64.
 ///
+/// Catchments are `catchment_rise` u32 [n], modulo 2^32, and `catchment_terminal` u32 [n].
+///
 /// Errors  Error(storage) for arrays that contradict each other.
 
 namespace hydrotin {
 
 void write_tree(store::Writer& out, const SpillTree& tree);
 [[nodiscard]] SpillTree read_tree(const store::Reader& in);
+
+/// @param height  [n] of the part.
+void write_catchments(store::Writer& out, const Catchments& catchments, std::span<const std::int32_t> height);
+/// @param num_rim  vertices of the tree's rim.
+[[nodiscard]] Catchments read_catchments(const store::Reader& in, std::span<const std::int32_t> height,
+                                         std::size_t num_rim);
 
 void write_plateaus(store::Writer& out, const std::string& prefix, const PlateauSummary& summary);
 [[nodiscard]] std::vector<Pit> read_pits(const store::Reader& in, const std::string& prefix);

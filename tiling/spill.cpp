@@ -31,7 +31,9 @@ void reduce_tile(const RunContext& context, std::uint32_t tile) {
 
   store::Writer out(context.layout.unit(Phase::spill, tile));
   out.set("recipe", context.recipe(Phase::spill));
-  write_tree(out, reduce_to_rim(part.graph, part.height, part.point, part.is_rim, is_outlet));
+  Catchments catchments;
+  write_tree(out, reduce_to_rim(part.graph, part.height, part.point, part.is_rim, is_outlet, &catchments));
+  write_catchments(out, catchments, part.height);
   out.append("rim_height", rim_height, "z lattice, as measured");
   out.append("rim_has_lower", rim_has_lower, "1: a neighbour in this part is lower by (z, x, y)");
   out.append("rim_outlet", rim_outlet, "1: an outlet, as far as this part knows");

@@ -6,7 +6,9 @@
 
 #include "block_index.h"
 #include "hydrotin/lifting.h"
+#include "hydrotin/spill_tree.h"
 #include "kept_pits.h"
+#include "reduced_store.h"
 #include "terrain_file.h"
 
 namespace hydrotin {
@@ -110,7 +112,8 @@ PartLevels levels_of(const RunContext& context, std::uint32_t tile, const Part& 
   const std::vector<std::uint32_t> rim = part.rim();
   const store::Reader in(context.layout.unit(Phase::drain, 0));
   const auto begin = in.read_range<std::uint64_t>("rim_begin", tile, 2);
-  const auto known = store::Reader(context.layout.unit(Phase::spill, tile)).read<std::uint64_t>("rim");
+  const store::Reader spill(context.layout.unit(Phase::spill, tile));
+  const auto known = spill.read<std::uint64_t>("rim");
   const bool fits = begin[0] <= begin[1] && begin[1] - begin[0] == rim.size() && known.size() == rim.size() &&
                     std::equal(rim.begin(), rim.end(), known.begin(),
                                [&](std::uint32_t v, std::uint64_t id) { return part.point[v] == id; });
@@ -124,12 +127,8 @@ PartLevels levels_of(const RunContext& context, std::uint32_t tile, const Part& 
   out.is_outlet = outlet_flags(context, part);
   const std::vector<std::uint8_t> is_kept = kept_flags(context, tile, part);
   for (std::uint32_t v = 0; v < part.num_vertices(); ++v) out.is_outlet[v] |= is_kept[v];
-  std::vector<std::int32_t> source(part.num_vertices(), kNoLevel);
-  for (std::size_t i = 0; i < rim.size(); ++i) {
-    source[rim[i]] = rim_level[i];
-    out.is_outlet[rim[i]] = rim_outlet[i];
-  }
-  out.level = lift_from(part.graph, part.height, out.is_outlet, source);
+  for (std::size_t i = 0; i < rim.size(); ++i) out.is_outlet[rim[i]] = rim_outlet[i];
+  out.level = lift_catchments(read_catchments(spill, part.height, rim.size()), rim_level);
   if (std::find(out.level.begin(), out.level.end(), kNoLevel) != out.level.end())
     throw Error(ErrorKind::storage, context.layout.unit(Phase::triangulate, tile) +
                                         ": some triangles are joined to no others; delete the file and run again");

@@ -13,38 +13,44 @@
 namespace hydrotin {
 namespace {
 
-// The boxes of all triangles by their lower ends along the polygon's longer side, to find those at a place.
+// The boxes of all triangles in slices along the polygon's longer side, by their lower ends, to find those at a place.
 class TriangleIndex {
  public:
   TriangleIndex(const PolygonProblem& problem, const PolygonGraph& graph) : box_(graph.num_triangles()) {
     LatticeBox all;
     for (const LatticePoint p : problem.position) all.extend(p);
     along_x_ = std::int64_t{all.max.x} - all.min.x >= std::int64_t{all.max.y} - all.min.y;
+    low_ = at(all.min);
+    const std::int64_t num_slices = std::max<std::int64_t>(1, graph.num_triangles() / 4);
+    width_ = (at(all.max) - low_) / num_slices + 1;
+    begin_.assign(static_cast<std::size_t>(num_slices) + 2, 0);
     for (std::uint32_t t = 0; t < graph.num_triangles(); ++t) {
       for (const std::uint32_t v : graph.triangle(t)) box_[t].extend(problem.position[v]);
       longest_ = std::max(longest_, at(box_[t].max) - at(box_[t].min));
+      ++begin_[slice_of(at(box_[t].min)) + 2];
     }
-    order_.resize(box_.size());
-    std::iota(order_.begin(), order_.end(), 0U);
-    std::sort(order_.begin(), order_.end(),
-              [&](std::uint32_t s, std::uint32_t t) { return at(box_[s].min) < at(box_[t].min); });
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    triangle_.resize(box_.size());
+    for (std::uint32_t t = 0; t < graph.num_triangles(); ++t) triangle_[begin_[slice_of(at(box_[t].min)) + 1]++] = t;
   }
 
   // Calls visit(t) for the triangles whose boxes meet a box.
   template <class Visit>
   void for_meeting(const LatticeBox& box, Visit visit) const {
-    const auto from = std::lower_bound(order_.begin(), order_.end(), at(box.min) - longest_,
-                                       [&](std::uint32_t t, std::int64_t key) { return at(box_[t].min) < key; });
-    for (auto i = from; i != order_.end() && at(box_[*i].min) <= at(box.max); ++i)
-      if (box_[*i].intersects(box)) visit(*i);
+    const std::size_t from = slice_of(std::max(at(box.min) - longest_, low_)), to = slice_of(at(box.max));
+    for (std::uint32_t i = begin_[from]; i < begin_[to + 1]; ++i)
+      if (box_[triangle_[i]].intersects(box)) visit(triangle_[i]);
   }
 
  private:
   [[nodiscard]] std::int64_t at(LatticePoint p) const { return along_x_ ? p.x : p.y; }
+  [[nodiscard]] std::size_t slice_of(std::int64_t place) const {
+    return static_cast<std::size_t>((place - low_) / width_);
+  }
 
   std::vector<LatticeBox> box_;
-  std::vector<std::uint32_t> order_;
-  std::int64_t longest_ = 0;
+  std::vector<std::uint32_t> begin_, triangle_;  // CSR by slice
+  std::int64_t low_ = 0, width_ = 1, longest_ = 0;
   bool along_x_ = true;
 };
 

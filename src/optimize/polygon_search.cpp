@@ -12,8 +12,9 @@
 namespace hydrotin {
 namespace {
 
-constexpr std::uint32_t kTriangleVisits = 1U << 20;  // by the dynamic programs for the ties of one polygon
-constexpr std::uint32_t kTriangleVisitsWorthFlips = 1U << 16;
+constexpr std::uint32_t kTriangleVisits = 1U << 20;           // by the dynamic programs for the ties of one polygon
+constexpr std::uint32_t kVisitsWorthFlips = 4;                // of each triangle
+constexpr std::uint32_t kTriangleVisitsForCounts = 1U << 16;  // by the programs for vertices that were counted twice
 
 }  // namespace
 
@@ -64,7 +65,7 @@ void PolygonSearch::start(const PolygonGraph& graph, const PolygonOptions& optio
   few_ways_ = only_ties || ties_.num_ways(affordable) <= affordable;
   linear_ = !ways_.build(problem, graph, ties_, only_ties ? TieWays::kMostWays : options.budget.max_ways,
                          only_ties ? TieWays::kMostVisits : kTriangleVisits);
-  costly_ = !linear_ && ways_.num_visits() > kTriangleVisitsWorthFlips;
+  costly_ = !linear_ && ways_.num_visits() > std::uint64_t{kVisitsWorthFlips} * graph.num_triangles();
 }
 
 bool PolygonSearch::is_within_budget() const {
@@ -143,7 +144,9 @@ bool PolygonSearch::run_program(const PolygonCosts& costs, const std::vector<std
   if (costs.minima_slot < 0 || best.value == root.claimed || (costs.counts_foreign && serves_all(best))) return true;
   const auto program = [&](std::span<const std::uint8_t> other_wishes, const std::vector<std::uint8_t>& other_blocked,
                            CountedAnswer& out) { return run_counted(costs, other_wishes, other_blocked, out); };
-  if (resolve_double_counts(*graph_, costs, blocked, program, options_->budget.max_branches, root, best)) return true;
+  const std::uint32_t max_programs =
+      std::min(options_->budget.max_branches, std::max(1U, kTriangleVisitsForCounts / graph_->num_triangles()));
+  if (resolve_double_counts(*graph_, costs, blocked, program, max_programs, root, best)) return true;
   if (options_->method == ComponentMethod::automatic && graph_->num_triangles() <= options_->budget.max_program) {
     offer(best.triangle);
     return run_linear(costs, blocked, best);

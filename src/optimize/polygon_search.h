@@ -52,8 +52,6 @@ class PolygonSearch {
   void offer(std::vector<std::uint32_t> triangles) { incumbent_ = std::move(triangles); }
   /// Whether much work is to be expected: components are left to the linear program, or their ties are many.
   [[nodiscard]] bool is_costly() const { return linear_ || costly_; }
-  /// Whether components are left to the linear program.
-  [[nodiscard]] bool is_linear() const { return linear_; }
 
   /// False once a search ended at a budget: then answers may not be the best.
   [[nodiscard]] bool is_proven() const { return proven_; }

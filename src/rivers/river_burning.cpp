@@ -6,6 +6,7 @@
 #include <numeric>
 #include <optional>
 
+#include "declines.h"
 #include "terrain_links.h"
 
 namespace hydrotin {
@@ -355,19 +356,6 @@ std::vector<std::uint32_t> ends_of(const std::vector<RiverEdge>& edges) {
   return ends;
 }
 
-std::vector<double> declines_of(const RiverTerrain& terrain, std::span<const RiverEdge> rivers,
-                                const RiverConstraints& constraints) {
-  if (constraints.decline_measure == DeclineMeasure::fraction)
-    return fractional_declines(terrain, rivers, constraints.decline);
-  std::vector<double> out(rivers.size(), 0.0);
-  if (constraints.decline_measure == DeclineMeasure::none) return out;
-  for (std::size_t e = 0; e < rivers.size(); ++e) {
-    const auto &p = terrain.position[rivers[e].from], &q = terrain.position[rivers[e].to];
-    out[e] = constraints.decline * std::hypot(q[0] - p[0], q[1] - p[1]);
-  }
-  return out;
-}
-
 }  // namespace
 
 BurnedEmbedding embed_by_burning(const RiverTerrain& terrain, std::span<const RiverEdge> rivers,
@@ -381,15 +369,11 @@ BurnedEmbedding embed_by_burning(const RiverTerrain& terrain, std::span<const Ri
   for (const std::uint32_t v : embedding.touched)
     if (!options.is_complete.empty() && options.is_complete[v] == 0) embedding.incomplete.push_back(v);
   if (!embedding.incomplete.empty()) return out;
-  std::vector<double> decline = declines_of(terrain, rivers, constraints);
-  if (constraints.decline_measure == DeclineMeasure::fraction) {
-    const RiverNetworks networks = connect_networks(terrain, rivers);
-    for (std::uint32_t i = 0; i < networks.num_networks; ++i)
-      if (!(networks.drop[i] > 0)) embedding.clamped_networks.push_back(i);
-  }
-  decline.resize(edges.size(), 0.0);
+  Declines declines = find_declines(terrain, rivers, constraints);
+  embedding.clamped_networks = std::move(declines.clamped);
+  declines.drop.resize(edges.size(), 0.0);
   Burning burning =
-      burn_rivers(terrain, edges, {decline, constraints.side_slope, constraints.chain.size(), options.quantum});
+      burn_rivers(terrain, edges, {declines.drop, constraints.side_slope, constraints.chain.size(), options.quantum});
   out.fault = burning.fault;
   if (burning.fault != BurningFault::none) {
     out.edge = edges[burning.edge];
@@ -417,14 +401,10 @@ BurnedEmbedding embed_by_burning(const RiverTerrain& terrain, std::span<const Ri
 
 std::vector<double> fractional_declines(const RiverTerrain& terrain, std::span<const RiverEdge> rivers,
                                         double fraction) {
-  const RiverNetworks networks = connect_networks(terrain, rivers);
-  std::vector<double> decline;
-  for (std::size_t e = 0; e < rivers.size(); ++e) {
-    const auto &p = terrain.position[rivers[e].from], &q = terrain.position[rivers[e].to];
-    decline.push_back(fraction * std::max(0.0, networks.average_slope(networks.network[e])) *
-                      std::hypot(q[0] - p[0], q[1] - p[1]));
-  }
-  return decline;
+  RiverConstraints constraints;
+  constraints.decline_measure = DeclineMeasure::fraction;
+  constraints.decline = fraction;
+  return find_declines(terrain, rivers, constraints).drop;
 }
 
 }  // namespace hydrotin

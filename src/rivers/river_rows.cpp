@@ -4,6 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
+
+#include "declines.h"
 
 namespace hydrotin {
 namespace {
@@ -43,7 +46,7 @@ RowCatalog::RowCatalog(const RiverTerrain& terrain, std::span<const RiverEdge> r
   for (const auto& edge : rivers) is_river_[edge.from] = is_river_[edge.to] = 1;
   for (const auto& edge : constraints.chain) is_river_[edge.from] = is_river_[edge.to] = 1;
   mark_lakes();
-  find_declines(rivers);
+  take_declines(rivers);
   add_flow_and_valley(rivers);
   add_chains();
   if (constraints.contiguity != Contiguity::none) add_contiguous(rivers);
@@ -52,20 +55,13 @@ RowCatalog::RowCatalog(const RiverTerrain& terrain, std::span<const RiverEdge> r
   index_rows();
 }
 
-void RowCatalog::find_declines(std::span<const RiverEdge> rivers) {
-  decline_.assign(rivers.size(), 0);
-  if (constraints_.decline_measure == DeclineMeasure::none) return;
-  const bool is_fraction = constraints_.decline_measure == DeclineMeasure::fraction;
-  const RiverNetworks networks = connect_networks(terrain_, rivers);
-  if (is_fraction)
-    for (std::uint32_t i = 0; i < networks.num_networks; ++i)
-      if (!(networks.drop[i] > 0)) clamped_.push_back(i);
+void RowCatalog::take_declines(std::span<const RiverEdge> rivers) {
+  Declines declines = find_declines(terrain_, rivers, constraints_);
+  decline_ = std::move(declines.drop);
+  clamped_ = std::move(declines.clamped);
   for (std::size_t e = 0; e < rivers.size(); ++e) {
     const auto [from, to] = rivers[e];
-    if (lake_of_[from] != 0 && lake_of_[from] == lake_of_[to]) continue;
-    const double slope = is_fraction ? constraints_.decline * std::max(0.0, networks.average_slope(networks.network[e]))
-                                     : constraints_.decline;
-    decline_[e] = slope * norm(terrain_.position[to] - terrain_.position[from]);
+    if (lake_of_[from] != 0 && lake_of_[from] == lake_of_[to]) decline_[e] = 0;
   }
 }
 

@@ -55,7 +55,7 @@ class RowCatalog {
   [[nodiscard]] std::span<const double> decline() const { return decline_; }
 
  private:
-  void find_declines(std::span<const RiverEdge> rivers);
+  void take_declines(std::span<const RiverEdge> rivers);
   void mark_lakes();
   void add_flow_and_valley(std::span<const RiverEdge> rivers);
   void add_contiguous(std::span<const RiverEdge> rivers);

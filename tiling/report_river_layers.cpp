@@ -35,11 +35,9 @@ class LayerWriter {
       const std::int32_t high = final_height(rivers_, figures_, from), low = final_height(rivers_, figures_, to);
       edge.drop_after = z_between(high, low);
       edge.before = states[e].before;
-      edge.is_valid = !std::binary_search(figures_.invalid.begin(), figures_.invalid.end(),
-                                          std::pair(network_.point[from], network_.point[to]));
-      edge.after = {high < low,
-                    std::binary_search(figures_.no_valley.begin(), figures_.no_valley.end(),
-                                       std::pair(network_.point[from], network_.point[to])),
+      const std::pair points(network_.point[from], network_.point[to]);
+      edge.is_valid = !std::binary_search(figures_.invalid.begin(), figures_.invalid.end(), points);
+      edge.after = {high < low, std::binary_search(figures_.no_valley.begin(), figures_.no_valley.end(), points),
                     high == low};
       layer.add(edge);
     }
@@ -114,21 +112,17 @@ class LayerWriter {
     std::vector<UsedLine> lines(input_.lines.size());
     for (const std::uint32_t line : network_.line) ++lines[line].river_edges;
     for (std::size_t c = 0; c + 1 < network_.cycle_begin.size(); ++c)
-      for (std::uint32_t i = network_.cycle_begin[c]; i < network_.cycle_begin[c + 1]; ++i) {
-        UsedLine& line = lines[network_.cycle[i]];
-        (i == network_.cycle_begin[c] ? line.left_out_of_circle : line.in_circle) = true;
-      }
+      mark_circle(std::span(network_.cycle)
+                      .subspan(network_.cycle_begin[c], network_.cycle_begin[c + 1] - network_.cycle_begin[c]),
+                  lines);
     for (const std::uint32_t line : network_.disagrees) lines[line].rises = true;
     LineLayers layers(file_);
     for (std::uint32_t i = 0; i < lines.size(); ++i) {
       UsedLine& line = lines[i];
-      line.point = input_.lines.ring(input_.lines.ring_begin[i]);
-      line.source_layer = input_.lines.layer[i];
-      line.source_feature = input_.lines.feature[i];
       line.river = input_.name[i];
       line.is_turned = network_.is_turned[i] != 0;
       line.drop = network_.drop[i] * lattice_.scale_z;
-      layers.add(line);
+      layers.add(input_.lines, i, line);
     }
   }
 

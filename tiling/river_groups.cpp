@@ -284,11 +284,8 @@ void GroupSolver::tabulate(const RiverWindow& window, const Share& share, const 
   const auto rows = river_table(relief.terrain(), share.river, number, static_cast<std::uint32_t>(rivers.size()),
                                 embedding.height, 0, before, after);
   for (std::size_t r = 0; r < rivers.size(); ++r) out.table.push_back({rivers[r], rows[r]});
-  const auto state = [](const RiverFaults& faults, std::size_t e) {
-    return RiverEdgeState{faults.wrong_flow[e] != 0, faults.not_valley[e] != 0, faults.flat[e] != 0};
-  };
   for (std::size_t e = 0; e < share.river.size(); ++e)
-    out.edge.push_back({share.number[e], state(before, e), state(after, e)});
+    out.edge.push_back({share.number[e], state_of(before, e), state_of(after, e)});
 }
 
 // Rows that leave no room, by the heights as embedded.

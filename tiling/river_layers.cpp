@@ -70,6 +70,10 @@ void write_las(const std::string& path, const std::string& crs_wkt, const PointF
 
 }  // namespace
 
+RiverEdgeState state_of(const RiverFaults& faults, std::size_t edge) {
+  return {faults.wrong_flow[edge] != 0, faults.not_valley[edge] != 0, faults.flat[edge] != 0};
+}
+
 std::string river_edge_status(const RiverEdgeState& before, const RiverEdgeState& after) {
   const std::string then = text_of(before), now = text_of(after);
   return then == now ? now : now + ", before it " + (then.starts_with("is") ? "was" + then.substr(2) : then);
@@ -172,6 +176,11 @@ void MouthLayers::add_chain(const VectorPoint& from, const VectorPoint& to, cons
                  values_of(numbers_, {std::int64_t{edge.from}, std::int64_t{edge.to}}, {length_of(from, to)}));
 }
 
+void mark_circle(std::span<const std::uint32_t> circle, std::span<UsedLine> lines) {
+  for (const std::uint32_t line : circle)
+    (line == circle[0] ? lines[line].left_out_of_circle : lines[line].in_circle) = true;
+}
+
 LineLayers::LineLayers(GeoPackageWriter& out) : out_(&out) {
   const Fields fields{{"source_layer", FieldType::integer},
                       {"source_feature", FieldType::integer},
@@ -184,13 +193,13 @@ LineLayers::LineLayers(GeoPackageWriter& out) : out_(&out) {
   rising_ = out.add_layer("lines_that_rise", VectorGeometry::line, false, fields);
 }
 
-void LineLayers::add(const UsedLine& line) {
+void LineLayers::add(const VectorParts& parts, std::uint32_t i, const UsedLine& line) {
   std::vector<VectorPoint> points;
-  for (const auto& p : line.point) points.push_back({p[0], p[1], 0});
+  for (const auto& p : parts.ring(parts.ring_begin[i])) points.push_back({p[0], p[1], 0});
   if (line.is_turned) std::reverse(points.begin(), points.end());
   const std::string cycle = line.left_out_of_circle ? "left out of a circle" : line.in_circle ? "in a circle" : "";
-  const Values values{line.source_layer,
-                      line.source_feature,
+  const Values values{std::int64_t{parts.layer[i]},
+                      parts.feature[i],
                       line.river,
                       std::int64_t{line.is_turned ? 1 : 0},
                       line.drop,

@@ -14,10 +14,6 @@
 namespace hydrotin::app {
 namespace {
 
-RiverEdgeState state_of(const RiverFaults& faults, std::size_t edge) {
-  return {faults.wrong_flow[edge] != 0, faults.not_valley[edge] != 0, faults.flat[edge] != 0};
-}
-
 class LayerWriter {
  public:
   LayerWriter(const std::string& path, const EmbedInput& input, const RiverConstraints& constraints,
@@ -86,20 +82,15 @@ class LayerWriter {
     const LineMatch& match = *input_.lines;
     std::vector<UsedLine> lines(match.parts.size());
     for (const std::uint32_t part : match.line_of_edge) ++lines[part].river_edges;
-    for (const auto& cycle : match.cycles)
-      for (const std::uint32_t part : cycle)
-        (part == cycle[0] ? lines[part].left_out_of_circle : lines[part].in_circle) = true;
+    for (const auto& circle : match.cycles) mark_circle(circle, lines);
     for (const std::uint32_t part : match.disagrees) lines[part].rises = true;
     LineLayers layers(file_);
     for (std::uint32_t part = 0; part < lines.size(); ++part) {
       UsedLine& used = lines[part];
-      used.point = match.parts.ring(match.parts.ring_begin[part]);
-      used.source_layer = match.parts.layer[part];
-      used.source_feature = match.parts.feature[part];
       used.river = match.name[part];
       used.is_turned = match.is_turned[part] != 0;
       used.drop = match.drop[part];
-      layers.add(used);
+      layers.add(match.parts, part, used);
     }
   }
 

@@ -9,7 +9,9 @@
 #include "hydrotin/river_constraints.h"
 #include "hydrotin/river_embedding.h"
 #include "hydrotin/river_mouths.h"
+#include "hydrotin/river_statistics.h"
 #include "hydrotin/vector.h"
+#include "hydrotin/vector_reader.h"
 
 /// What users see of rivers as layers and as points: the same for terrains in tiles and in memory.
 ///
@@ -28,6 +30,9 @@ enum class VertexNumbers : std::uint8_t { hidden, shown };
 struct RiverEdgeState {
   bool wrong_flow = false, not_valley = false, is_level = false;
 };
+
+/// That of one edge of `river_faults`.
+[[nodiscard]] RiverEdgeState state_of(const RiverFaults& faults, std::size_t edge);
 
 /// "is valid", "flows uphill, before it was no valley", ...
 [[nodiscard]] std::string river_edge_status(const RiverEdgeState& before, const RiverEdgeState& after);
@@ -110,10 +115,8 @@ class MouthLayers {
   int mouths_, chains_;
 };
 
-/// A line of the file of rivers, and what became of it.
+/// What became of a line of the file of rivers.
 struct UsedLine {
-  std::span<const std::array<double, 3>> point;
-  std::int64_t source_layer = 0, source_feature = 0;
   std::string river;
   bool is_turned = false;         ///< water runs against the order of its points
   double drop = 0;                ///< downstream, by the terrain
@@ -122,11 +125,15 @@ struct UsedLine {
   bool rises = false;  ///< downstream, by the terrain
 };
 
+/// Marks the lines of a circle, of which the first was left out.
+void mark_circle(std::span<const std::uint32_t> circle, std::span<UsedLine> lines);
+
 /// The layers `lines` and `lines_that_rise`: source_layer, source_feature, river, turned, drop, river_edges, cycle.
 class LineLayers {
  public:
   explicit LineLayers(GeoPackageWriter& out);
-  void add(const UsedLine& line);
+  /// Line i of the file.
+  void add(const VectorParts& parts, std::uint32_t i, const UsedLine& line);
 
  private:
   GeoPackageWriter* out_;

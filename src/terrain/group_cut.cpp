@@ -89,6 +89,8 @@ CutGrid cut_grid(const LatticeBox& bounds, std::uint64_t num_vertices) {
 
 std::vector<std::uint32_t> squares_of(std::span<const CountedCell> cells, std::uint64_t most) {
   std::vector<std::uint32_t> number(cells.size());
+  std::vector<std::uint64_t> members{0};  // of the cells before
+  for (const CountedCell& cell : cells) members.push_back(members.back() + cell.members);
   std::uint32_t next = 0;
   struct Run {
     std::size_t first, last;
@@ -99,9 +101,7 @@ std::vector<std::uint32_t> squares_of(std::span<const CountedCell> cells, std::u
   while (!open.empty()) {
     const auto [first, last, bit] = open.back();
     open.pop_back();
-    std::uint64_t members = 0;
-    for (std::size_t i = first; i < last; ++i) members += cells[i].members;
-    if (members <= most || last - first == 1) {
+    if (members[last] - members[first] <= most || last - first == 1) {
       std::fill(number.begin() + static_cast<std::ptrdiff_t>(first), number.begin() + static_cast<std::ptrdiff_t>(last),
                 next++);
       continue;

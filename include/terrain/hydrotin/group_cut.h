@@ -48,7 +48,7 @@ struct CountedCell {
 /// The squares of one component.
 /// @param cells  ascending, distinct.
 /// @return       [cells] the number of the square, from 0 on; squares ascend with their cells.
-/// Complexity: O(64 cells).
+/// Complexity: O(cells log cells).
 [[nodiscard]] std::vector<std::uint32_t> squares_of(std::span<const CountedCell> cells, std::uint64_t most);
 
 /// Takes the held vertices out of the members.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bit_queue.h"
+#include "height_key.h"
 #include "radix_sort.h"
 
 namespace hydrotin {
@@ -30,7 +31,7 @@ class ForestFinder::State {
     // A rank in 32 bits leaves the other half of a key to the surface.
     const std::uint32_t k = problem.size();
     keys_.resize(k);
-    for (std::uint32_t v = 0; v < k; ++v) keys_[v] = upper_half(problem.height[v]) | v;
+    for (std::uint32_t v = 0; v < k; ++v) keys_[v] = height_key(problem.height[v], v);
     sort_by_upper_half(keys_);
     by_height_.resize(k);
     for (std::uint32_t i = 0; i < k; ++i) by_height_[i] = static_cast<std::uint32_t>(keys_[i]);
@@ -82,14 +83,10 @@ class ForestFinder::State {
     bool is_done = false;
   };
 
-  [[nodiscard]] static std::uint64_t upper_half(std::int32_t height) {
-    return std::uint64_t{static_cast<std::uint32_t>(height) ^ 0x80000000u} << 32;
-  }
-
   void find_places(std::span<const std::int32_t> surface) {
     const std::uint32_t k = problem_->size();
     constexpr std::uint32_t kAhead = 16;
-    for (std::uint32_t i = 0; i < k; ++i) keys_[i] = upper_half(surface[by_height_[i]]) | i;
+    for (std::uint32_t i = 0; i < k; ++i) keys_[i] = height_key(surface[by_height_[i]], i);
     sort_by_upper_half(keys_);
     by_place_.resize(k);
     member_.resize(k);

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "height_key.h"
 #include "hydrotin/lifting.h"
 #include "hydrotin/vertex_graph.h"
 #include "min_heap.h"
@@ -37,7 +38,7 @@ class Flood {
   }
 
   /// Water that stands at `level` outside comes in at v, which is lower and no source.
-  void add_inlet(std::uint32_t v, std::int32_t level) { rim_.push(key(level, v)); }
+  void add_inlet(std::uint32_t v, std::int32_t level) { rim_.push(height_key(level, v)); }
 
   /// Calls reach(v, w) once for every w that is no source, v being a neighbour reached before it.
   template <class Reach>
@@ -48,7 +49,7 @@ class Flood {
       const auto v = static_cast<std::uint32_t>(lowest);
       if (!is_reached(v)) {  // an inlet
         set_reached(v);
-        level_[v] = static_cast<std::int32_t>(static_cast<std::uint32_t>(lowest >> 32) ^ 0x80000000u);
+        level_[v] = unbiased(static_cast<std::uint32_t>(lowest >> 32));
       }
       if (!rim_.empty()) __builtin_prefetch(&graph_->begin[static_cast<std::uint32_t>(rim_.top())]);
       pool_.push_back(v);
@@ -62,11 +63,6 @@ class Flood {
  private:
   [[nodiscard]] bool is_reached(std::uint32_t v) const { return (reached_[v >> 6] >> (v & 63)) & 1; }
   void set_reached(std::uint32_t v) { reached_[v >> 6] |= std::uint64_t{1} << (v & 63); }
-
-  // Biased so that unsigned order is the order of levels; the vertex in the low half.
-  [[nodiscard]] static std::uint64_t key(std::int32_t level, std::uint32_t v) {
-    return (std::uint64_t{static_cast<std::uint32_t>(level) ^ 0x80000000u} << 32) | v;
-  }
 
   template <class Reach>
   void climb(Reach& reach) {
@@ -90,7 +86,7 @@ class Flood {
     for (const std::uint32_t v : candidate_) {
       for (const std::uint32_t w : graph_->neighbors(v)) {
         if (is_reached(w) || !is_lowest_way_into(w, v)) continue;
-        rim_.push(key(level_[v], v));
+        rim_.push(height_key(level_[v], v));
         break;
       }
     }
@@ -98,9 +94,9 @@ class Flood {
   }
 
   [[nodiscard]] bool is_lowest_way_into(std::uint32_t w, std::uint32_t v) const {
-    const std::uint64_t way = key(level_[v], v);
+    const std::uint64_t way = height_key(level_[v], v);
     for (const std::uint32_t u : graph_->neighbors(w))
-      if (is_reached(u) && key(level_[u], u) < way) return false;
+      if (is_reached(u) && height_key(level_[u], u) < way) return false;
     return true;
   }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "breacher.h"
+#include "height_key.h"
 #include "hydrotin/group_cut.h"
 #include "hydrotin/lake_breaches.h"
 
@@ -230,7 +231,6 @@ class ComponentFinder {
     keyed_.clear();
     for (std::size_t i = from; i < member.size(); ++i) {
       const LatticePoint p = terrain_->position[member[i]];
-      const auto biased = [](std::int32_t c) { return std::uint64_t{static_cast<std::uint32_t>(c) ^ 0x80000000u}; };
       keyed_.emplace_back(biased(p.x) << 32 | biased(p.y), member[i]);
     }
     std::sort(keyed_.begin(), keyed_.end());
@@ -287,7 +287,7 @@ PitComponents find_pit_components(const ChangeableTerrain& terrain, MemberReach 
     filled.is_outlet = is_outlet;
   }
   (void)add_flats_without_descent(filled, result.level, {}, is_member);
-  if (reach != MemberReach::lifted) {
+  if (reach != MemberReach::lifted && limits.max_group < terrain.position.size()) {
     LatticeBox bounds;
     for (const LatticePoint p : terrain.position) bounds.extend(p);
     result.num_cut =

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 namespace hydrotin {
@@ -11,6 +12,7 @@ namespace hydrotin {
 /// agree are left out. O(n) time, a second array of the size of the first.
 template <class T, class Key>
 void radix_sort(std::vector<T>& values, Key key) {
+  static_assert(std::is_same_v<decltype(key(values.front())), std::uint64_t>, "shifted by up to 56 bits");
   if (values.size() < 2) return;
   std::array<std::array<std::size_t, 256>, 8> count{};
   for (const T& value : values) {

@@ -6,16 +6,13 @@
 #include <utility>
 
 #include "flood.h"
+#include "height_key.h"
 #include "hydrotin/lifting.h"
 #include "radix_sort.h"
 #include "union_find.h"
 
 namespace hydrotin {
 namespace {
-
-std::uint64_t biased(std::int32_t height) {
-  return static_cast<std::uint32_t>(height) ^ 0x80000000u;
-}
 
 // The vertices of a rim in ascending order of their global ids.
 std::vector<std::uint32_t> sorted_rim(std::span<const std::uint64_t> global_id, std::span<const std::uint8_t> is_rim) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "height_key.h"
 #include "hydrotin/lattice.h"
 #include "radix_sort.h"
 
@@ -17,8 +18,7 @@ inline std::vector<std::uint32_t> order_vertices(std::span<const std::int32_t> h
   std::vector<std::uint32_t> order(height.size());
   {
     std::vector<std::uint64_t> keys(height.size());
-    for (std::uint32_t v = 0; v < height.size(); ++v)
-      keys[v] = (std::uint64_t{static_cast<std::uint32_t>(height[v]) ^ 0x80000000u} << 32) | v;
+    for (std::uint32_t v = 0; v < height.size(); ++v) keys[v] = height_key(height[v], v);
     radix_sort(keys, [](std::uint64_t key) { return key >> 32; });
     for (std::size_t i = 0; i < keys.size(); ++i) order[i] = static_cast<std::uint32_t>(keys[i]);
   }

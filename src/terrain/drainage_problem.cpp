@@ -49,7 +49,38 @@ std::vector<std::int32_t> level_of(const DrainageProblem& problem) {
 }
 
 bool drains(const DrainageProblem& problem, std::span<const std::int32_t> surface) {
-  return std::ranges::equal(lift(problem, surface), surface);
+  assert(surface.size() == problem.height.size() && "one height per member");
+  // Members with an exit or a lower neighbour lead on; the others must be joined to one of these by their flats.
+  std::vector<std::uint32_t> waiting, open;
+  for (std::uint32_t v = 0; v < problem.size(); ++v) {
+    if (problem.exit[v] <= surface[v]) continue;
+    if (std::ranges::none_of(problem.neighbors(v), [&](std::uint32_t w) { return surface[w] < surface[v]; }))
+      waiting.push_back(v);
+  }
+  if (waiting.empty()) return true;
+  std::vector<bool> is_waiting(problem.size());
+  for (const std::uint32_t v : waiting) is_waiting[v] = true;
+  std::size_t num_left = waiting.size();
+  const auto leads_on = [&](std::uint32_t v) {
+    return std::ranges::any_of(problem.neighbors(v),
+                               [&](std::uint32_t w) { return surface[w] == surface[v] && !is_waiting[w]; });
+  };
+  for (const std::uint32_t seed : waiting) {
+    if (!is_waiting[seed] || !leads_on(seed)) continue;
+    is_waiting[seed] = false;
+    open.assign(1, seed);
+    while (!open.empty()) {
+      const std::uint32_t v = open.back();
+      open.pop_back();
+      --num_left;
+      for (const std::uint32_t w : problem.neighbors(v)) {
+        if (!is_waiting[w] || surface[w] != surface[v]) continue;
+        is_waiting[w] = false;
+        open.push_back(w);
+      }
+    }
+  }
+  return num_left == 0;
 }
 
 }  // namespace hydrotin

@@ -28,8 +28,9 @@ struct Start {
 /// lifted.
 Start breach_rest(const DrainageProblem& problem, const std::vector<std::int32_t>& surface, const SearchLimits& limits,
                   ForestFinder& finder) {
+  if (drains(problem, surface)) return {surface, {}};
   std::vector<std::int32_t> level = lift(problem, surface);
-  if (limits.max_visits == ~std::uint64_t{0} || level == surface) return {std::move(level), {}};
+  if (limits.max_visits == ~std::uint64_t{0}) return {std::move(level), {}};
   DrainageForest forest;
   finder.run(level, forest);
   std::vector<std::int32_t> lowered = surface;
@@ -40,7 +41,8 @@ Start breach_rest(const DrainageProblem& problem, const std::vector<std::int32_t
     lowered[p] = static_cast<std::int32_t>(std::max<std::int64_t>(lowered[v], floor));
     if (!problem.lower.empty()) lowered[p] = std::max(lowered[p], problem.lower[p]);
   }
-  return {lift(problem, lowered), std::move(forest)};
+  if (!drains(problem, lowered)) lowered = lift(problem, lowered);
+  return {std::move(lowered), std::move(forest)};
 }
 
 /// Breaches the pits one after the other, then what is left.
@@ -72,12 +74,12 @@ std::vector<Start> breached_surfaces(const DrainageProblem& problem, const std::
                                      ChangeMeasure measure, const SearchLimits& limits, ForestFinder& finder) {
   std::vector<Start> surfaces;
   if (!problem.breached.empty()) surfaces.push_back(breach_rest(problem, problem.breached, limits, finder));
+  if (!surfaces.empty()) {
+    if (measure == ChangeMeasure::max) return surfaces;  // merging the best of each is the best of all
+    if (problem.size() > kManyMembers && limits.max_visits != ~std::uint64_t{0}) return surfaces;
+  }
   const LocalPits pits = find_local_pits(problem, problem.height, level);
-  if (measure == ChangeMeasure::max && !surfaces.empty())
-    return surfaces;  // merging the best of each is the best of all
-  if ((pits.pit.size() == 1 || (problem.size() > kManyMembers && limits.max_visits != ~std::uint64_t{0})) &&
-      !surfaces.empty())
-    return surfaces;
+  if (pits.pit.size() == 1 && !surfaces.empty()) return surfaces;
   BreachSearch search(problem.size());
   std::vector<std::uint32_t> order(pits.pit.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;

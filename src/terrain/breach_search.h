@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <ranges>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "min_heap.h"
+#include "sifted.h"
 
 namespace hydrotin {
 
@@ -125,13 +127,34 @@ class BreachSearch {
       push({entry.cost, hops, entry.place, 1});
       limit_ = entry.cost;
     }
-    for (const std::uint32_t w : ground.neighbors(v)) {
-      if (const std::uint32_t place = place_[w]; place < label_.size() && label_[place].vertex == w) {
-        Label& label = label_[place];
-        if (label.hops != hops || label_[label.parent].cost != entry.cost) continue;
-        if (ground.before(v, label_[label.parent].vertex)) label.parent = entry.place;
-        continue;
-      }
+    const std::span<const std::uint32_t> around = ground.neighbors(v);
+    for (std::size_t i = 0; i < around.size(); i += kSiftedAtOnce)
+      settle_some(ground, entry, level, around.subspan(i, std::min(kSiftedAtOnce, around.size() - i)));
+  }
+
+  template <class Ground>
+  void settle_some(const Ground& ground, const Entry& entry, std::int32_t level,
+                   std::span<const std::uint32_t> around) {
+    const std::uint32_t v = label_[entry.place].vertex, hops = entry.hops + 1;
+    // Without a branch for each, as in sifted.h.
+    std::array<std::uint32_t, kSiftedAtOnce> fresh, again;
+    std::size_t num_fresh = 0, num_again = 0;
+    const auto last = static_cast<std::uint32_t>(label_.size() - 1);
+    for (const std::uint32_t w : around) {
+      const std::uint32_t place = std::min(place_[w], last);
+      const bool is_reached = label_[place].vertex == w;
+      fresh[num_fresh] = w;
+      num_fresh += is_reached ? 0 : 1;
+      again[num_again] = place;
+      num_again += is_reached & (label_[place].hops == hops) ? 1 : 0;
+    }
+    for (std::size_t i = 0; i < num_again; ++i) {
+      Label& label = label_[again[i]];
+      const Label& parent = label_[label.parent];
+      if (parent.cost == entry.cost && ground.before(v, parent.vertex)) label.parent = entry.place;
+    }
+    for (std::size_t i = 0; i < num_fresh; ++i) {
+      const std::uint32_t w = fresh[i];
       const std::int64_t step = ground.cost(w, level);
       if (step < 0) continue;
       const std::int64_t cost = entry.cost + step;

@@ -40,7 +40,7 @@ std::vector<std::int32_t> lift(const DrainageProblem& problem, std::span<const s
     else
       flood.add_inlet(v, problem.exit[v]);
   }
-  flood.run([](std::uint32_t, std::uint32_t) {});
+  flood.run(NoVisitor());
   return level;
 }
 

@@ -16,6 +16,7 @@ namespace {
 using testing::cost_of;
 using testing::GridTerrain;
 using testing::kMeasures;
+using testing::kMethods;
 using testing::make_grid;
 using testing::renumber;
 using testing::Renumbered;
@@ -147,6 +148,40 @@ TEST(PitRemovalWithin, LimitedSearchesKeepThePromises) {
     }
   }
   EXPECT_GT(num_unfinished, 50u);
+}
+
+// Neither searches that end early nor those that run to their end are better everywhere.
+TEST(PitRemovalWithin, TheBestSearchIsNeverDearerThanAnother) {
+  std::size_t num_by_short = 0, num_by_long = 0;
+  for (std::uint64_t seed = 0; seed < 24; ++seed) {
+    SCOPED_TRACE(seed);
+    GridTerrain grid = make_grid(seed, 50, 50, 100, 30);
+    grid.height = testing::relief_heights(seed, grid.position, 1500, 3000, seed % 2 == 0 ? 200 : 20);
+    const Sample s = sample_of(grid, testing::hull_flags(grid));
+    for (const RemovalMethod method : kMethods) {
+      if (method == RemovalMethod::greedy_breach) continue;
+      RemovalOptions options;
+      options.method = method;
+      options.with_bound = true;
+      const auto terrain = s.view(ChangeMeasure::total);
+      const Removal best = remove_pits_by_best_search(terrain, options), by_long = remove_pits(terrain, options);
+      options.limits.max_visits = kScalableVisits;
+      const Removal by_short = remove_pits(terrain, options);
+      EXPECT_TRUE(oracle::has_no_pit(s.around, best.height, s.is_outlet));
+      EXPECT_EQ(best.cost, cost_of(s, best.height, ChangeMeasure::total));
+      EXPECT_EQ(best.bound, by_long.bound);
+      EXPECT_EQ(best.is_optimal, best.bound == best.cost);
+      if (method != RemovalMethod::least_change) {
+        EXPECT_EQ(best.height, by_long.height);
+        continue;
+      }
+      EXPECT_EQ(best.cost, std::min(by_short.cost, by_long.cost));
+      num_by_short += by_short.cost < by_long.cost;
+      num_by_long += by_long.cost < by_short.cost;
+    }
+  }
+  EXPECT_GT(num_by_short, 0u);
+  EXPECT_GT(num_by_long, 0u);
 }
 
 // Components cut along squares: still no pit, nothing above lifting, the same in every numbering.

@@ -16,9 +16,8 @@
 ///   (1) No pit is left, but for pieces of the terrain without outlet, which stay as they are; outlets never move.
 ///   (2) Heights are integers of the lattice; the result is as free of pits as written.
 ///   (3) The result lies nowhere above that of `lift`; for `breach` and `greedy_breach` nowhere above the terrain
-///   either,
-///       except at pits that cannot be breached within the limits, or not inside their square of a component that is
-///       cut (`BreachLimits::max_group`), which are lifted.
+///       either, except at pits that cannot be breached within the limits, or not inside their square of a component
+///       that is cut (`BreachLimits::max_group`), which are lifted.
 ///   (4) `least_change` costs no more than `lift` nor than `breach`.
 ///   (5) A terrain without pits is not changed.
 ///   (6) The result does not depend on the numbering of vertices.

@@ -110,6 +110,20 @@ Removal remove_pits(const ChangeableTerrain& terrain, const RemovalOptions& opti
   return result;
 }
 
+Removal remove_pits_by_best_search(const ChangeableTerrain& terrain, RemovalOptions options) {
+  const bool is_small = terrain.height.size() <= kSmallTerrain;
+  options.limits.max_visits = is_small ? BreachLimits{}.max_visits : kScalableVisits;
+  Removal result = remove_pits(terrain, options);
+  if (!is_small || options.method != RemovalMethod::least_change) return result;
+  options.limits.max_visits = kScalableVisits;
+  options.with_bound = false;  // it does not depend on searches
+  Removal other = remove_pits(terrain, options);
+  if (other.cost >= result.cost) return result;
+  other.bound = result.bound;
+  other.is_optimal = other.bound == other.cost;
+  return other;
+}
+
 std::vector<std::int64_t> star_weights(std::span<const LatticePoint> position,
                                        std::span<const std::uint32_t> triangle_vertex) {
   std::vector<std::int64_t> weight(position.size(), 0);

@@ -8,16 +8,17 @@
 /// A lower bound on the cost of removing all pits, whatever is raised or lowered (so also for raising or lowering
 /// alone).
 ///
-/// total, volume  Look at one level t. A piece K of {h < t} without outlet must not survive as it is in the new surface
-/// x:
-///                of K and its neighbours, some vertex of K has x >= t or some neighbour has x < t, else K would still
-///                be a piece of {x < t} without outlet and contain a pit. Pieces whose closed neighbourhoods are
-///                disjoint need different vertices. So the sum over t of the number of pieces in a packing (times the
-///                least weight around each) is a bound. The packing: pits by descending f - h claim their
-///                neighbourhoods, level by level, up to the level at which they would overflow or meet another's claim.
-/// max            x(v) >= f(v) - D if no vertex is lowered by more than D, and x(v) <= h(v) + D: D >= (f(v) - h(v))
-/// / 2. count          Each pit with its neighbours (the piece K at the level just above it) needs a moved vertex; a
-/// packing.
+/// total, volume
+///   Look at one level t. A piece K of {h < t} without outlet must not survive as it is in the new surface x: of K and
+///   its neighbours, some vertex of K has x >= t or some neighbour has x < t, else K would still be a piece of {x < t}
+///   without outlet and contain a pit. Pieces whose closed neighbourhoods are disjoint need different vertices. So the
+///   sum over t of the number of pieces in a packing (times the least weight around each) is a bound. The packing: pits
+///   by descending f - h claim their neighbourhoods, level by level, up to the level at which they would overflow or
+///   meet another's claim.
+/// max
+///   x(v) >= f(v) - D if no vertex is lowered by more than D, and x(v) <= h(v) + D: D >= (f(v) - h(v)) / 2.
+/// count
+///   Each pit with its neighbours (the piece K at the level just above it) needs a moved vertex; a packing.
 ///
 /// Source   own; f of thesis, Theorem 6.1. The pieces are the moats of dual ascent for Steiner trees.
 /// Threads  Pure: safe to call concurrently, no hidden parallelism.

@@ -29,8 +29,7 @@
 /// Symbols  n = vertices, E = edges, M = members, C = components.
 /// Properties
 ///   (1) Components and problems do not depend on the numbering of vertices: members ascend by (x, y), components by
-///   their
-///       smallest member.
+///       their smallest member.
 ///   (2) Surfaces x <= f that drain, one for each component, together with h outside, leave no pit in the terrain.
 ///   (3) Members of a component are found from f and from the paths of its own pits alone.
 /// Threads  Pure: safe to call concurrently, no hidden parallelism.

@@ -22,18 +22,21 @@ namespace hydrotin {
 ///
 /// Ground provides
 ///   neighbors(v)
-///       range of vertices
+///       span of vertices
 ///   cost(v, level)
 ///       of lowering v to level, 0 if it is not higher; negative if it must not be lowered so far
 ///   is_goal(v, level)
-///       whether water that has come to v drains on its own
+///       whether water that has come to v drains on its own; never where it costs anything to lower v
 ///   is_exit(v, level)
 ///       whether it leaves from v
 ///   before(v, w)
 ///       the order that breaks ties
 class BreachSearch {
  public:
-  explicit BreachSearch(std::size_t num_vertices) : place_(num_vertices, 0) {}
+  explicit BreachSearch(std::size_t num_vertices = 0) : place_(num_vertices, 0) {}
+
+  /// Makes room for terrains of so many vertices.
+  void reserve(std::size_t num_vertices) { place_.resize(std::max(place_.size(), num_vertices), 0); }
 
   /// Finds the way from any of `sources`, all at `level`; false if there is none, or if more than `max_visits` vertices
   /// cost less to reach than the goal. (Which vertices these are does not depend on the order of visits.)

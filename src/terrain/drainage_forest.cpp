@@ -28,20 +28,16 @@ void sort_by_upper_half(std::vector<std::uint64_t>& keys) {
 
 class ForestFinder::State {
  public:
-  explicit State(const DrainageProblem& problem) : problem_(&problem) {
-    // A rank in 32 bits leaves the other half of a key to the surface.
-    const std::uint32_t k = problem.size();
-    keys_.resize(k);
-    for (std::uint32_t v = 0; v < k; ++v) keys_[v] = height_key(problem.height[v], v);
-    sort_by_upper_half(keys_);
-    by_height_.resize(k);
-    for (std::uint32_t i = 0; i < k; ++i) by_height_[i] = static_cast<std::uint32_t>(keys_[i]);
+  void set_problem(const DrainageProblem& problem) {
+    problem_ = &problem;
+    by_height_.clear();
   }
 
   // Members are taken from a queue of those that are reached, by their places in the order (surface, height, number).
   void run(std::span<const std::int32_t> surface, DrainageForest& forest) {
     const DrainageProblem& problem = *problem_;
     const std::uint32_t k = problem.size();
+    if (by_height_.empty()) sort_by_height();
     find_places(surface);
     queue_.reset(k);
     for (std::uint32_t v = 0; v < k; ++v) {
@@ -96,6 +92,16 @@ class ForestFinder::State {
     }
   }
 
+  // A rank in 32 bits leaves the other half of a key to the surface.
+  void sort_by_height() {
+    const std::uint32_t k = problem_->size();
+    keys_.resize(k);
+    for (std::uint32_t v = 0; v < k; ++v) keys_[v] = height_key(problem_->height[v], v);
+    sort_by_upper_half(keys_);
+    by_height_.resize(k);
+    for (std::uint32_t i = 0; i < k; ++i) by_height_[i] = static_cast<std::uint32_t>(keys_[i]);
+  }
+
   void find_places(std::span<const std::int32_t> surface) {
     const std::uint32_t k = problem_->size();
     constexpr std::uint32_t kAhead = 16;
@@ -113,7 +119,7 @@ class ForestFinder::State {
 
   static constexpr std::uint32_t kOutOfCache = 10'000;  // members: fewer lie in the cache anyway
 
-  const DrainageProblem* problem_;
+  const DrainageProblem* problem_ = nullptr;
   std::vector<std::uint32_t> by_height_,
       by_place_;                     // members in the orders (height, number), (surface, height, number)
   std::vector<std::int32_t> water_;  // the surface, kDone where a member has been taken
@@ -122,11 +128,17 @@ class ForestFinder::State {
   BitQueue queue_;
 };
 
-ForestFinder::ForestFinder(const DrainageProblem& problem) : problem_(&problem) {}
+ForestFinder::ForestFinder() : state_(std::make_unique<State>()) {}
+ForestFinder::ForestFinder(const DrainageProblem& problem) : ForestFinder() {
+  set_problem(problem);
+}
 ForestFinder::~ForestFinder() = default;
 
+void ForestFinder::set_problem(const DrainageProblem& problem) {
+  state_->set_problem(problem);
+}
+
 void ForestFinder::run(std::span<const std::int32_t> surface, DrainageForest& forest) {
-  if (state_ == nullptr) state_ = std::make_unique<State>(*problem_);
   state_->run(surface, forest);
 }
 

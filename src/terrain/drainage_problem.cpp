@@ -10,21 +10,22 @@ namespace hydrotin {
 
 std::int64_t cost_of(const DrainageProblem& problem, std::span<const std::int32_t> surface, ChangeMeasure measure) {
   assert(surface.size() == problem.height.size() && "one height per member");
+  const auto moved = [&](std::uint32_t v) { return std::abs(std::int64_t{surface[v]} - problem.height[v]); };
   std::int64_t cost = 0;
-  for (std::uint32_t v = 0; v < problem.size(); ++v) {
-    const std::int64_t moved = std::abs(std::int64_t{surface[v]} - problem.height[v]);
-    switch (measure) {
-      case ChangeMeasure::total:
-      case ChangeMeasure::volume:
-        cost += moved * problem.weight_of(v);
-        break;
-      case ChangeMeasure::max:
-        cost = std::max(cost, moved);
-        break;
-      case ChangeMeasure::count:
-        cost += moved != 0;
-        break;
-    }
+  switch (measure) {
+    case ChangeMeasure::total:
+    case ChangeMeasure::volume:
+      if (problem.weight.empty())
+        for (std::uint32_t v = 0; v < problem.size(); ++v) cost += moved(v);
+      else
+        for (std::uint32_t v = 0; v < problem.size(); ++v) cost += moved(v) * problem.weight[v];
+      break;
+    case ChangeMeasure::max:
+      for (std::uint32_t v = 0; v < problem.size(); ++v) cost = std::max(cost, moved(v));
+      break;
+    case ChangeMeasure::count:
+      for (std::uint32_t v = 0; v < problem.size(); ++v) cost += moved(v) != 0;
+      break;
   }
   return cost;
 }

@@ -179,7 +179,7 @@ class ComponentFinder {
     // Components by their smallest members.
     const std::size_t num_components = begin_.size() - 1;
     std::vector<Member> first(num_components);
-    for (std::uint32_t c = 0; c < num_components; ++c) first[c] = {member_[begin_[c]].key, c};
+    for (std::uint32_t c = 0; c < num_components; ++c) first[c] = {key_of(member_[begin_[c]]), c};
     std::sort(first.begin(), first.end());
     std::vector<std::uint32_t> place(num_components);
     result_->begin.assign(1, 0);
@@ -188,7 +188,7 @@ class ComponentFinder {
     for (std::uint32_t i = 0; i < num_components; ++i) {
       const std::uint32_t c = first[i].vertex;
       place[c] = i;
-      for (std::size_t j = begin_[c]; j < begin_[c + 1]; ++j) result_->member.push_back(member_[j].vertex);
+      result_->member.insert(result_->member.end(), member_.begin() + begin_[c], member_.begin() + begin_[c + 1]);
       result_->begin.push_back(static_cast<std::uint32_t>(result_->member.size()));
     }
     std::sort(pits_.begin(), pits_.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -244,34 +244,35 @@ class ComponentFinder {
     return parent;
   }
 
+  [[nodiscard]] std::uint64_t key_of(std::uint32_t v) const {
+    const LatticePoint p = terrain_->position[v];
+    return biased(p.x) << 32 | biased(p.y);
+  }
+
   // The members of each component by (x, y).
   void sort_members(std::span<const std::uint8_t> is_member, const std::vector<std::uint32_t>& component) {
     member_.resize(begin_.back());
     std::vector<std::uint32_t> end(begin_.begin(), begin_.end() - 1);
-    for (std::uint32_t v = 0; v < is_member.size(); ++v) {
-      if (!is_member[v]) continue;
-      const LatticePoint p = terrain_->position[v];
-      member_[end[component[v]]++] = {biased(p.x) << 32 | biased(p.y), v};
-    }
-    std::vector<Member> many;
+    for (std::uint32_t v = 0; v < is_member.size(); ++v)
+      if (is_member[v]) member_[end[component[v]]++] = v;
+    std::vector<Member> keyed;
     for (std::size_t c = 0; c + 1 < begin_.size(); ++c) {
-      const auto first = member_.begin() + begin_[c], last = member_.begin() + begin_[c + 1];
-      if (last - first < kManyMembers) {
-        std::sort(first, last);
-      } else {
-        many.assign(first, last);
-        radix_sort(many, [](const Member& m) { return m.key; });
-        std::copy(many.begin(), many.end(), first);
-      }
+      keyed.clear();
+      for (std::size_t i = begin_[c]; i < begin_[c + 1]; ++i) keyed.push_back({key_of(member_[i]), member_[i]});
+      if (keyed.size() < kManyMembers)
+        std::sort(keyed.begin(), keyed.end());
+      else
+        radix_sort(keyed, [](const Member& m) { return m.key; });
+      for (std::size_t i = begin_[c]; i < begin_[c + 1]; ++i) member_[i] = keyed[i - begin_[c]].vertex;
     }
   }
 
-  static constexpr std::ptrdiff_t kManyMembers = 5000;
+  static constexpr std::size_t kManyMembers = 5000;
 
   const ChangeableTerrain* terrain_;
   PitComponents* result_;
-  std::vector<std::uint32_t> pits_, begin_;
-  std::vector<Member> member_;  // of component c: member_[begin_[c] .. begin_[c + 1])
+  std::vector<std::uint32_t> pits_;
+  std::vector<std::uint32_t> begin_, member_;  // of component c: member_[begin_[c] .. begin_[c + 1])
 };
 
 }  // namespace

@@ -38,11 +38,10 @@ std::vector<std::int32_t> solve(const DrainageProblem& problem, const RemovalOpt
 std::int64_t bound_of(const ChangeableTerrain& terrain, const RemovalOptions& options, const PitComponents& components,
                       std::int64_t cost) {
   if (options.method == RemovalMethod::lift) return cost;
-  std::int64_t bound = change_bound(terrain, components.level, options.measure);
-  if (options.method != RemovalMethod::least_change && components.num_unbreached == 0 &&
-      components.num_unfinished == 0 && components.num_cut == 0)
-    bound = std::max(bound, components.dearest_breach);
-  return bound;
+  const bool raises = options.method == RemovalMethod::least_change || components.num_unbreached != 0 ||
+                      components.num_unfinished != 0 || components.num_cut != 0;
+  const std::int64_t bound = change_bound(terrain, components.level, options.measure, raises);
+  return raises ? bound : std::max(bound, components.dearest_breach);
 }
 
 std::int64_t total_cost(const ChangeableTerrain& terrain, std::span<const std::int32_t> height, ChangeMeasure measure) {

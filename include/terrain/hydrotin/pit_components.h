@@ -43,6 +43,7 @@ namespace hydrotin {
 /// look at more, the lowest is searched for as far as the size of the lake allows; the others are breached along the
 /// forest by which the flood drains the lake. The costs of these are not the least.
 inline constexpr std::uint64_t kScalableVisits = 1000;  ///< for terrains of millions of pits
+inline constexpr std::size_t kSmallTerrain = 200'000;   ///< vertices up to which searches may take their time
 struct BreachLimits {
   std::int32_t max_depth = std::numeric_limits<std::int32_t>::max();  ///< of lowering a vertex [z lattice units]
   double max_length =

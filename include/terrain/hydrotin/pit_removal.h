@@ -61,9 +61,6 @@ struct Removal {
 /// Fails: never on data; std::bad_alloc. Preconditions are asserted.
 [[nodiscard]] Removal remove_pits(const ChangeableTerrain& terrain, const RemovalOptions& options);
 
-/// Up to so many vertices a terrain is small.
-inline constexpr std::size_t kSmallTerrain = 200'000;
-
 /// The same; for least_change on a small terrain the cheaper result of searches that run to their end and of searches
 /// as long as `kScalableVisits`. (Longer searches find breaches for deeper pits, but in larger components, where the
 /// descent that follows may end at a worse surface.) Other methods search to the end where the terrain is small.

@@ -146,28 +146,37 @@ TEST(TreeRegression, LargeTreesAgreeWithAnExchangeOfSingleBlocks) {
   }
 }
 
+/// A square of members with heights from 0 to 20 above the lowest, and few exits.
+DrainageProblem grid_problem(std::uint32_t side, std::int32_t lowest, Random& random) {
+  const testing::GridTerrain grid = testing::make_grid(side, side, side, 10, 3);
+  const VertexGraph graph = make_vertex_graph(grid.num_vertices(), grid.triangle);
+  DrainageProblem problem;
+  problem.begin.assign(graph.begin.begin(), graph.begin.end());
+  for (std::uint32_t v = 0; v < grid.num_vertices(); ++v) {
+    const auto neighbors = graph.neighbors(v);
+    problem.neighbor.insert(problem.neighbor.end(), neighbors.begin(), neighbors.end());
+    std::sort(problem.neighbor.end() - static_cast<std::ptrdiff_t>(neighbors.size()), problem.neighbor.end());
+    problem.height.push_back(lowest + random.between(0, 20));
+    problem.exit.push_back(v == 0 || random.below(50) == 0 ? lowest + random.between(0, 20) : kNoLevel);
+  }
+  return problem;
+}
+
+constexpr std::int32_t kLowestOfAll = std::numeric_limits<std::int32_t>::min();
+
 // The forest by its definition, with a sorted set in place of the queue: on surfaces with flats, where members are
 // reached after their turn, up to sizes at which the queue has all its levels.
 TEST(ForestFinder, TakesMembersInTheOrderOfItsDefinition) {
+  ForestFinder finder;  // one finder serves many problems
   for (const std::uint32_t side : {1u, 2u, 3u, 9u, 70u, 520u}) {
     SCOPED_TRACE(side);
-    const testing::GridTerrain grid = testing::make_grid(side, side, side, 10, 3);
-    const VertexGraph graph = make_vertex_graph(grid.num_vertices(), grid.triangle);
-    const std::uint32_t k = grid.num_vertices();
     Random random(side);
-    DrainageProblem problem;
-    problem.begin.assign(graph.begin.begin(), graph.begin.end());
-    for (std::uint32_t v = 0; v < k; ++v) {
-      const auto neighbors = graph.neighbors(v);
-      problem.neighbor.insert(problem.neighbor.end(), neighbors.begin(), neighbors.end());
-      std::sort(problem.neighbor.end() - static_cast<std::ptrdiff_t>(neighbors.size()), problem.neighbor.end());
-      problem.height.push_back(random.between(0, 20));
-      problem.exit.push_back(v == 0 || random.below(50) == 0 ? random.between(0, 20) : kNoLevel);
-    }
+    const DrainageProblem problem = grid_problem(side, side % 2 == 0 ? 0 : kLowestOfAll, random);
+    const std::uint32_t k = problem.size();
     const Surface surface = lift(problem, problem.height);
     DrainageForest forest;
-    ForestFinder finder(problem);
-    finder.run(Surface(k, 20), forest);  // one finder serves many surfaces
+    finder.set_problem(problem);
+    finder.run(Surface(k, 20), forest);  // and many surfaces
     finder.run(surface, forest);
 
     using Place = std::tuple<std::int32_t, std::int32_t, std::uint32_t>;
@@ -196,6 +205,38 @@ TEST(ForestFinder, TakesMembersInTheOrderOfItsDefinition) {
     EXPECT_EQ(forest.order, order);
     EXPECT_EQ(forest.parent, parent);
   }
+}
+
+// From the exits upwards, whatever does not lie lower drains.
+bool drains_by_definition(const DrainageProblem& problem, const Surface& surface) {
+  std::vector<std::uint32_t> open;
+  std::vector<bool> is_reached(problem.size());
+  for (std::uint32_t v = 0; v < problem.size(); ++v)
+    if (problem.exit[v] <= surface[v]) is_reached[v] = true, open.push_back(v);
+  for (std::size_t next = 0; next < open.size(); ++next)
+    for (const std::uint32_t w : problem.neighbors(open[next]))
+      if (!is_reached[w] && surface[w] >= surface[open[next]]) is_reached[w] = true, open.push_back(w);
+  return open.size() == problem.size();
+}
+
+TEST(DrainageProblem, DrainsByDefinition) {
+  std::size_t num_draining = 0, num_others = 0;
+  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    const DrainageProblem problem = grid_problem(1 + random.below(9), seed % 3 == 0 ? kLowestOfAll : 0, random);
+    Surface surface = random.below(2) == 0 ? lift(problem, problem.height) : problem.height;
+    for (std::uint32_t changes = random.below(4); changes > 0; --changes) {
+      const std::uint32_t v = random.below(problem.size());
+      surface[v] = surface[random.below(problem.size())];
+    }
+    const bool expected = drains_by_definition(problem, surface);
+    EXPECT_EQ(drains(problem, surface), expected);
+    EXPECT_EQ(lift(problem, surface) == surface, expected);
+    ++(expected ? num_draining : num_others);
+  }
+  EXPECT_GT(num_draining, 50u);
+  EXPECT_GT(num_others, 50u);
 }
 
 }  // namespace

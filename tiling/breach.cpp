@@ -118,7 +118,7 @@ std::vector<OpenLake> breach_batch(const RunContext& context, std::span<const Op
   const RemovalOptions options = removal_options(context);
   const Surface& window = around.surface;
   const std::vector<Cell>& cells = around.cells;
-  const ChangeableSurface changeable(context, window);
+  const ChangeableSurface changeable(context, window, false);
   std::vector<std::uint8_t> is_known(window.num_vertices());
   for (std::uint32_t v = 0; v < is_known.size(); ++v)
     is_known[v] = std::binary_search(cells.begin(), cells.end(), grid.of(window.position[v]));

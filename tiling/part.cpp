@@ -158,14 +158,16 @@ class Numbering {
 
 // The triangles of both files over the numbering.
 std::vector<std::uint32_t> numbered(std::span<const TriangleFile> files, const Numbering& numbering) {
-  std::vector<std::uint32_t> out;
-  out.reserve(std::accumulate(files.begin(), files.end(), std::size_t{0},
-                              [](std::size_t n, const TriangleFile& f) { return n + f.triangle.size(); }));
+  std::vector<std::uint32_t> out(
+      std::accumulate(files.begin(), files.end(), std::size_t{0},
+                      [](std::size_t n, const TriangleFile& f) { return n + f.triangle.size(); }));
   std::vector<std::uint32_t> number;
+  auto to = out.begin();
   for (const TriangleFile& file : files) {
     number.clear();
     for (const Located& p : file.listed) number.push_back(numbering.of(p.point));
-    for (const std::uint32_t v : file.triangle) out.push_back(v < file.num_own ? v : number[v - file.num_own]);
+    to = std::transform(file.triangle.begin(), file.triangle.end(), to,
+                        [&](std::uint32_t v) { return v < file.num_own ? v : number[v - file.num_own]; });
   }
   if (out.size() >= std::size_t{1} << 31)
     throw Error(ErrorKind::resource,
@@ -223,6 +225,7 @@ void keep_used(std::vector<std::uint32_t> triangle, const Numbering& numbering, 
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> vertex(numbering.size(), kNone);
   for (const std::uint32_t v : triangle) vertex[v] = 0;
+  part.point.reserve(vertex.size()), part.position.reserve(vertex.size()), part.height.reserve(vertex.size());
   for (std::uint32_t i = 0; i < vertex.size(); ++i) {
     const bool is_own = i < part.own.position.size();
     if (vertex[i] == kNone) {
@@ -240,26 +243,31 @@ void keep_used(std::vector<std::uint32_t> triangle, const Numbering& numbering, 
   part.triangle = std::move(triangle);
 }
 
-// Smallest vertex first, ascending: a counting sort by the first vertex, then few triangles of each.
+// Smallest vertex first, ascending: a counting sort by the first vertex, then few triangles of each, which are told
+// apart by the other two in one number.
 void put_in_order(std::vector<std::uint32_t>& triangle, std::uint32_t num_vertices) {
-  using Corners = std::array<std::uint32_t, 3>;
-  std::vector<std::uint32_t> begin(std::size_t{num_vertices} + 1, 0);
+  std::vector<std::uint32_t> begin(std::size_t{num_vertices} + 2, 0);  // of the next vertex's, while they are placed
   const std::size_t num_triangles = triangle.size() / 3;
   for (std::size_t t = 0; t < num_triangles; ++t)
-    ++begin[std::min({triangle[3 * t], triangle[3 * t + 1], triangle[3 * t + 2]}) + 1];
+    ++begin[std::min({triangle[3 * t], triangle[3 * t + 1], triangle[3 * t + 2]}) + 2];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<Corners> sorted(num_triangles);
-  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
+  std::vector<std::uint64_t> others(num_triangles);
+  const auto pair = [](std::uint32_t a, std::uint32_t b) { return std::uint64_t{a} << 32 | b; };
   for (std::size_t t = 0; t < num_triangles; ++t) {
     const std::uint32_t a = triangle[3 * t], b = triangle[3 * t + 1], c = triangle[3 * t + 2];
     const std::uint32_t first = std::min({a, b, c});
-    sorted[next[first]++] = a == first ? Corners{a, b, c} : b == first ? Corners{b, c, a} : Corners{c, a, b};
+    others[begin[first + 1]++] = a == first ? pair(b, c) : b == first ? pair(c, a) : pair(a, b);
   }
-  for (std::uint32_t v = 0; v < num_vertices; ++v)
-    if (begin[v + 1] - begin[v] > 1)
-      std::sort(sorted.begin() + begin[v], sorted.begin() + begin[v + 1],
-                [](const Corners& a, const Corners& b) { return a[1] != b[1] ? a[1] < b[1] : a[2] < b[2]; });
-  for (std::size_t t = 0; t < num_triangles; ++t) std::copy(sorted[t].begin(), sorted[t].end(), &triangle[3 * t]);
+  auto to = triangle.begin();
+  for (std::uint32_t v = 0; v < num_vertices; ++v) {
+    const auto first = others.begin() + begin[v], last = others.begin() + begin[v + 1];
+    if (last - first > 1) std::sort(first, last);
+    for (auto at = first; at != last; ++at) {
+      *to++ = v;
+      *to++ = static_cast<std::uint32_t>(*at >> 32);
+      *to++ = static_cast<std::uint32_t>(*at);
+    }
+  }
 }
 
 void check_orientation(const Part& part, const std::string& path) {

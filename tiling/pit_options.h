@@ -16,10 +16,11 @@ namespace hydrotin {
 /// A surface as the room `terrain` changes it, with the arrays that its spans refer to.
 class ChangeableSurface {
  public:
+  /// @param with_stars  find the stars in any case, not only for a measure that weighs by them.
   template <class AnySurface>
-  ChangeableSurface(const RunContext& context, const AnySurface& surface) {
+  ChangeableSurface(const RunContext& context, const AnySurface& surface, bool with_stars = true) {
     terrain_ = {&surface.graph, surface.height, surface.position, surface.is_outlet, {}, {}, {}};
-    set_weights(context, surface.triangle);
+    if (with_stars || context.options.pits.measure == ChangeMeasure::volume) set_weights(context, surface.triangle);
     set_bounds(context);
     if (context.rivers) keep_rivers(context, surface.point, surface.level);
   }
@@ -27,7 +28,7 @@ class ChangeableSurface {
   ChangeableSurface& operator=(const ChangeableSurface&) = delete;
 
   [[nodiscard]] const ChangeableTerrain& view() const { return terrain_; }
-  /// Doubled areas of the stars; right for vertices that have all their triangles.
+  /// Doubled areas of the stars, if they were asked for; right for vertices that have all their triangles.
   [[nodiscard]] std::span<const std::int64_t> star() const { return star_; }
 
  private:

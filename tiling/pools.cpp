@@ -73,7 +73,7 @@ void pool_tile(const RunContext& context, std::uint32_t tile) {
   OpenLakes open;
   if (context.options.pits.method != PitMethod::lift) {
     const RemovalOptions options = removal_options(context);
-    const ChangeableSurface changeable(context, surface);
+    const ChangeableSurface changeable(context, surface, false);
     const CellGrid grid(context.outline);
     std::vector<std::uint8_t> is_known(surface.num_vertices()), is_seen(surface.num_vertices(), 0);
     for (std::uint32_t v = 0; v < is_known.size(); ++v) is_known[v] = surface.is_rim[v] == 0;

@@ -92,6 +92,26 @@ Surface read_share(const store::Reader& in, const CellGrid& grid, std::span<cons
   return out;
 }
 
+/// A vertex of one of several parts.
+struct Placed {
+  std::uint64_t place;  // orders as its position does
+  std::uint32_t part, vertex;
+};
+
+std::vector<Placed> vertices_by_place(std::span<const Surface> parts) {
+  const auto biased = [](std::int32_t c) { return std::uint64_t{static_cast<std::uint32_t>(c) ^ 0x80000000u}; };
+  std::vector<Placed> order;
+  order.reserve(std::accumulate(parts.begin(), parts.end(), std::size_t{0},
+                                [](std::size_t n, const Surface& part) { return n + part.num_vertices(); }));
+  for (std::uint32_t p = 0; p < parts.size(); ++p)
+    for (std::uint32_t v = 0; v < parts[p].num_vertices(); ++v) {
+      const LatticePoint at = parts[p].position[v];
+      order.push_back({biased(at.x) << 32 | biased(at.y), p, v});
+    }
+  std::sort(order.begin(), order.end(), [](const Placed& a, const Placed& b) { return a.place < b.place; });
+  return order;
+}
+
 }  // namespace
 
 bool meets(const LatticeBox& box, const CellGrid& grid, std::span<const Cell> cells) {
@@ -206,21 +226,28 @@ std::optional<Surface> read_window(const RunContext& context, const CellGrid& gr
 }
 
 Surface merged(std::span<const Surface> parts, const std::string& path) {
-  struct Key {
-    LatticePoint position;
-    std::uint32_t part, vertex;
-  };
-  std::vector<Key> order;
-  for (std::uint32_t p = 0; p < parts.size(); ++p)
-    for (std::uint32_t v = 0; v < parts[p].num_vertices(); ++v) order.push_back({parts[p].position[v], p, v});
-  std::sort(order.begin(), order.end(), [](const Key& a, const Key& b) { return a.position < b.position; });
+  const std::vector<Placed> order = vertices_by_place(parts);
   std::vector<std::vector<std::uint32_t>> number(parts.size());
   for (std::size_t p = 0; p < parts.size(); ++p) number[p].resize(parts[p].num_vertices());
   Surface out;
-  for (const Key& k : order) {
+  out.point.reserve(order.size()), out.position.reserve(order.size()), out.height.reserve(order.size());
+  out.level.reserve(order.size()), out.is_outlet.reserve(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    constexpr std::size_t kAhead = 16;  // vertices in the order of a part lie anywhere in this one
+    if (i + kAhead < order.size()) {
+      const Surface& next = parts[order[i + kAhead].part];
+      const std::uint32_t w = order[i + kAhead].vertex;
+      __builtin_prefetch(&next.point[w]);
+      __builtin_prefetch(&next.position[w]);
+      __builtin_prefetch(&next.height[w]);
+      __builtin_prefetch(&next.level[w]);
+      __builtin_prefetch(&next.is_outlet[w]);
+      __builtin_prefetch(&number[order[i + kAhead].part][w], 1);
+    }
+    const Placed& k = order[i];
     const Surface& from = parts[k.part];
     const std::uint32_t v = k.vertex;
-    if (out.position.empty() || out.position.back() != k.position) {
+    if (i == 0 || order[i - 1].place != k.place) {
       out.point.push_back(from.point[v]);
       out.position.push_back(from.position[v]);
       out.height.push_back(from.height[v]);
@@ -232,6 +259,8 @@ Surface merged(std::span<const Surface> parts, const std::string& path) {
     }
     number[k.part][v] = out.num_vertices() - 1;
   }
+  out.triangle.reserve(std::accumulate(parts.begin(), parts.end(), std::size_t{0},
+                                       [](std::size_t n, const Surface& part) { return n + part.triangle.size(); }));
   for (std::size_t p = 0; p < parts.size(); ++p)
     for (const std::uint32_t v : parts[p].triangle) out.triangle.push_back(number[p][v]);
   if (out.triangle.size() >= std::size_t{1} << 31)

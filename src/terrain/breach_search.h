@@ -1,13 +1,16 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <ranges>
 #include <span>
 #include <tuple>
 #include <vector>
 
 #include "min_heap.h"
+#include "sifted.h"
 
 namespace hydrotin {
 
@@ -19,18 +22,21 @@ namespace hydrotin {
 ///
 /// Ground provides
 ///   neighbors(v)
-///       range of vertices
+///       span of vertices
 ///   cost(v, level)
 ///       of lowering v to level, 0 if it is not higher; negative if it must not be lowered so far
 ///   is_goal(v, level)
-///       whether water that has come to v drains on its own
+///       whether water that has come to v drains on its own; never where it costs anything to lower v
 ///   is_exit(v, level)
 ///       whether it leaves from v
 ///   before(v, w)
 ///       the order that breaks ties
 class BreachSearch {
  public:
-  explicit BreachSearch(std::size_t num_vertices) : place_(num_vertices, 0) {}
+  explicit BreachSearch(std::size_t num_vertices = 0) : place_(num_vertices, 0) {}
+
+  /// Makes room for terrains of so many vertices.
+  void reserve(std::size_t num_vertices) { place_.resize(std::max(place_.size(), num_vertices), 0); }
 
   /// Finds the way from any of `sources`, all at `level`; false if there is none, or if more than `max_visits` vertices
   /// cost less to reach than the goal. (Which vertices these are does not depend on the order of visits.)
@@ -40,24 +46,20 @@ class BreachSearch {
     start();
     std::uint64_t num_visits = 0;
     std::int64_t limit_cost = -1;  // of the last vertex that may be visited
-    for (const std::uint32_t v : sources) {
-      add(v, {0, 0, kSource, false});
-      push({0, 0, v, 0});
-    }
+    for (const std::uint32_t v : sources) push({0, 0, add({0, 0, kSource, v, false, false}), 0});
     bool is_found = false;
     Entry best{};
     while (!heap_.empty()) {
       const Entry entry = pop();
       if (is_found && std::tie(entry.cost, entry.hops) != std::tie(best.cost, best.hops)) break;
-      Label& label = label_[place_[entry.v]];
-      if (entry.leaves == 0 && label.is_settled) continue;
       if (limit_cost >= 0 && entry.cost > limit_cost) {
         is_unfinished_ = true;
         return false;
       }
       if (++num_visits == max_visits) limit_cost = entry.cost;
-      if (entry.leaves != 0 || (label.parent != kSource && ground.is_goal(entry.v, level))) {
-        if (!is_found || ground.before(entry.v, best.v)) best = entry;
+      Label& label = label_[entry.place];
+      if (entry.leaves != 0 || label.is_goal) {
+        if (!is_found || ground.before(label.vertex, label_[best.place].vertex)) best = entry;
         is_found = true;
         if (entry.leaves == 0) label.is_settled = true;
         continue;
@@ -75,49 +77,47 @@ class BreachSearch {
   /// After a run without success: whether `max_visits` ended it.
   [[nodiscard]] bool is_unfinished() const { return is_unfinished_; }
   /// All vertices that were reached, in order of discovery.
-  [[nodiscard]] std::span<const std::uint32_t> touched() const { return touched_; }
+  [[nodiscard]] auto touched() const { return std::views::transform(label_, &Label::vertex); }
   /// Of a vertex that was reached: whether its way is the cheapest, and no more costly than visits allow.
   [[nodiscard]] bool is_settled(std::uint32_t v) const { return label_[place_[v]].is_settled; }
-  /// Cost of the cheapest way to a vertex so far, itself included.
+  /// Cost of the cheapest way to a vertex, itself included.
   [[nodiscard]] std::int64_t cost_to(std::uint32_t v) const { return label_[place_[v]].cost; }
   [[nodiscard]] std::uint32_t hops_to(std::uint32_t v) const { return label_[place_[v]].hops; }
   /// Takes the cheapest way to a vertex that is settled for the path.
   void end_at(std::uint32_t v) {
     path_.clear();
-    trace({cost_to(v), hops_to(v), v, 0});
+    trace({cost_to(v), hops_to(v), place_[v], 0});
   }
 
  private:
   static constexpr std::uint32_t kSource = 0xffffffffu;
   struct Label {
     std::int64_t cost = 0;
-    std::uint32_t hops = 0, parent = kSource;
-    bool is_settled = false;
+    std::uint32_t hops = 0, parent = kSource;  // the parent's place
+    std::uint32_t vertex = 0;
+    bool is_goal = false, is_settled = false;
   };
   struct Entry {
     std::int64_t cost;
-    std::uint32_t hops, v, leaves;
+    std::uint32_t hops, place, leaves;
   };
-  __extension__ using Key = unsigned __int128;  // cost, hops, vertex, leaves: 63, 32, 32 and 1 bit
+  __extension__ using Key = unsigned __int128;  // cost, hops, place, leaves: 63, 32, 32 and 1 bit
 
   void start() {
     heap_.clear();
-    touched_.clear();
     label_.clear();
     path_.clear();
     limit_ = -1;
     is_unfinished_ = false;
   }
-  [[nodiscard]] bool is_reached(std::uint32_t v) const {
-    return place_[v] < touched_.size() && touched_[place_[v]] == v;
-  }
-  void add(std::uint32_t v, const Label& label) {
-    place_[v] = static_cast<std::uint32_t>(touched_.size());
-    touched_.push_back(v);
+  std::uint32_t add(const Label& label) {
+    const auto place = static_cast<std::uint32_t>(label_.size());
+    place_[label.vertex] = place;
     label_.push_back(label);
+    return place;
   }
   void push(const Entry& entry) {
-    heap_.push(Key{static_cast<std::uint64_t>(entry.cost)} << 65 | Key{entry.hops} << 33 | Key{entry.v} << 1 |
+    heap_.push(Key{static_cast<std::uint64_t>(entry.cost)} << 65 | Key{entry.hops} << 33 | Key{entry.place} << 1 |
                entry.leaves);
   }
   Entry pop() {
@@ -126,51 +126,67 @@ class BreachSearch {
             static_cast<std::uint32_t>(key >> 1), static_cast<std::uint32_t>(key & 1)};
   }
 
+  // What it costs to enter a vertex does not depend on where from, and vertices are settled by ascending (cost, hops):
+  // so the first way to a vertex is the best, and a later one is as good if the vertices before it agree in both.
   template <class Ground>
   void settle(const Ground& ground, const Entry& entry, std::int32_t level) {
-    const std::uint32_t v = entry.v;
-    label_[place_[v]].is_settled = true;
+    const std::uint32_t v = label_[entry.place].vertex, hops = entry.hops + 1;
+    label_[entry.place].is_settled = true;
     if (ground.is_exit(v, level)) {
-      push({entry.cost, entry.hops + 1, v, 1});
+      push({entry.cost, hops, entry.place, 1});
       limit_ = entry.cost;
     }
-    for (const std::uint32_t w : ground.neighbors(v)) {
-      const bool was_reached = is_reached(w);
-      if (was_reached && label_[place_[w]].is_settled) continue;
+    const std::span<const std::uint32_t> around = ground.neighbors(v);
+    for (std::size_t i = 0; i < around.size(); i += kSiftedAtOnce)
+      settle_some(ground, entry, level, around.subspan(i, std::min(kSiftedAtOnce, around.size() - i)));
+  }
+
+  template <class Ground>
+  void settle_some(const Ground& ground, const Entry& entry, std::int32_t level,
+                   std::span<const std::uint32_t> around) {
+    const std::uint32_t v = label_[entry.place].vertex, hops = entry.hops + 1;
+    // Without a branch for each, as in sifted.h.
+    std::array<std::uint32_t, kSiftedAtOnce> fresh, again;
+    std::size_t num_fresh = 0, num_again = 0;
+    const auto last = static_cast<std::uint32_t>(label_.size() - 1);
+    for (const std::uint32_t w : around) {
+      const std::uint32_t place = std::min(place_[w], last);
+      const bool is_reached = label_[place].vertex == w;
+      fresh[num_fresh] = w;
+      num_fresh += is_reached ? 0 : 1;
+      again[num_again] = place;
+      num_again += is_reached & (label_[place].hops == hops) ? 1 : 0;
+    }
+    for (std::size_t i = 0; i < num_again; ++i) {
+      Label& label = label_[again[i]];
+      const Label& parent = label_[label.parent];
+      if (parent.cost == entry.cost && ground.before(v, parent.vertex)) label.parent = entry.place;
+    }
+    for (std::size_t i = 0; i < num_fresh; ++i) {
+      const std::uint32_t w = fresh[i];
       const std::int64_t step = ground.cost(w, level);
       if (step < 0) continue;
       const std::int64_t cost = entry.cost + step;
       if (limit_ >= 0 && cost > limit_) continue;  // a way of this cost is known
-      const std::uint32_t hops = entry.hops + 1;
-      if (was_reached) {
-        Label& label = label_[place_[w]];
-        if (std::tie(cost, hops) > std::tie(label.cost, label.hops)) continue;
-        if (cost == label.cost && hops == label.hops) {
-          if (ground.before(v, label.parent)) label.parent = v;
-          continue;
-        }
-        label = {cost, hops, v, false};
-      } else {
-        add(w, {cost, hops, v, false});
-      }
-      push({cost, hops, w, 0});
-      if (step == 0 && ground.is_goal(w, level)) limit_ = cost;
+      const bool is_goal = step == 0 && ground.is_goal(w, level);
+      push({cost, hops, add({cost, hops, entry.place, w, is_goal, false}), 0});
+      if (is_goal) limit_ = cost;
     }
   }
 
   void trace(const Entry& end) {
     cost_ = end.cost;
     leaves_ = end.leaves != 0;
-    for (std::uint32_t v = end.v; v != kSource; v = label_[place_[v]].parent) path_.push_back(v);
+    for (std::uint32_t at = end.place; at != kSource; at = label_[at].parent) path_.push_back(label_[at].vertex);
     std::reverse(path_.begin(), path_.end());
   }
 
   // Labels lie in the order of discovery, so that a short search stays in the cache. A place says where the label of a
-  // vertex would be: it is there if `touched_` says so, so that places need not be cleared.
+  // vertex would be: it is there if the label says so, so that places need not be cleared.
   std::vector<std::uint32_t> place_;  // [n]
   std::vector<Label> label_;          // [touched]
   BasicMinHeap<Key> heap_;
-  std::vector<std::uint32_t> touched_, path_;
+  std::vector<std::uint32_t> path_;
   std::int64_t limit_ = -1, cost_ = 0;
   bool leaves_ = false, is_unfinished_ = false;
 };

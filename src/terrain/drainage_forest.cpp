@@ -9,6 +9,7 @@
 #include "bit_queue.h"
 #include "height_key.h"
 #include "radix_sort.h"
+#include "sifted.h"
 
 namespace hydrotin {
 namespace {
@@ -17,7 +18,7 @@ constexpr std::int64_t kNever = std::int64_t{1} << 60;  // weight of an upper bo
 
 // Lower halves ascend already among keys with equal upper halves.
 void sort_by_upper_half(std::vector<std::uint64_t>& keys) {
-  if (keys.size() > 2000)
+  if (keys.size() > 200)
     radix_sort(keys, [](std::uint64_t key) { return key >> 32; });
   else
     std::sort(keys.begin(), keys.end());
@@ -27,20 +28,16 @@ void sort_by_upper_half(std::vector<std::uint64_t>& keys) {
 
 class ForestFinder::State {
  public:
-  explicit State(const DrainageProblem& problem) : problem_(&problem) {
-    // A rank in 32 bits leaves the other half of a key to the surface.
-    const std::uint32_t k = problem.size();
-    keys_.resize(k);
-    for (std::uint32_t v = 0; v < k; ++v) keys_[v] = height_key(problem.height[v], v);
-    sort_by_upper_half(keys_);
-    by_height_.resize(k);
-    for (std::uint32_t i = 0; i < k; ++i) by_height_[i] = static_cast<std::uint32_t>(keys_[i]);
+  void set_problem(const DrainageProblem& problem) {
+    problem_ = &problem;
+    by_height_.clear();
   }
 
   // Members are taken from a queue of those that are reached, by their places in the order (surface, height, number).
   void run(std::span<const std::int32_t> surface, DrainageForest& forest) {
     const DrainageProblem& problem = *problem_;
     const std::uint32_t k = problem.size();
+    if (by_height_.empty()) sort_by_height();
     find_places(surface);
     queue_.reset(k);
     for (std::uint32_t v = 0; v < k; ++v) {
@@ -48,40 +45,62 @@ class ForestFinder::State {
       member_[v].parent = kRoot;
       queue_.push(member_[v].place);
     }
-    forest.order.clear();
+    forest.order.resize(k);
+    std::uint32_t num_done = 0;
     while (!queue_.empty()) {
-      const std::uint32_t v = by_place_[queue_.pop()];
-      if (!queue_.empty()) {
-        const std::uint32_t soon = by_place_[queue_.top()];
-        __builtin_prefetch(&problem.begin[soon]);
-        __builtin_prefetch(&member_[soon]);
-      }
-      member_[v].is_done = true;
-      forest.order.push_back(v);
-      const std::int32_t water = member_[v].surface;
-      for (const std::uint32_t w : problem.neighbors(v)) {
-        Member& m = member_[w];
-        if (m.is_done || m.surface < water) continue;
-        if (m.parent == kWaiting) {
-          m.parent = v;
-          queue_.push(m.place);
-        } else if (m.parent == kRoot && water < problem.exit[w]) {
-          m.parent = v;
-        }
-      }
+      const std::uint32_t place = queue_.pop(), v = by_place_[place];
+      prefetch_after(place);
+      forest.order[num_done++] = v;
+      const std::int32_t water = water_[v];
+      water_[v] = kDone;
+      for_each_of(
+          problem.neighbors(v), [&](std::uint32_t w) { return water_[w] >= water; },
+          [&](std::uint32_t w) {
+            Member& m = member_[w];
+            if (m.parent == kWaiting) {
+              m.parent = v;
+              queue_.push(m.place);
+            } else if (m.parent == kRoot && water < problem.exit[w] && water_[w] != kDone) {
+              m.parent = v;
+            }
+          });
     }
-    assert(forest.order.size() == k && "the surface drains");
+    assert(num_done == k && "the surface drains");
     forest.parent.resize(k);
     for (std::uint32_t v = 0; v < k; ++v) forest.parent[v] = member_[v].parent;
   }
 
  private:
   static constexpr std::uint32_t kWaiting = kRoot - 1;
-  struct Member {  // what a visit of a neighbour looks at, in one piece of memory
-    std::int32_t surface = 0;
-    std::uint32_t place = 0, parent = kWaiting;
-    bool is_done = false;
+  static constexpr std::int32_t kDone = std::numeric_limits<std::int32_t>::min();
+  struct Member {
+    std::uint32_t place, parent;
   };
+
+  // Members are taken in about the order of their places: what the next ones will look at is known, step by step.
+  void prefetch_after(std::uint32_t place) const {
+    constexpr std::uint32_t kAhead = 4;
+    const std::uint32_t k = problem_->size();
+    if (k < kOutOfCache || place + 3 * kAhead >= k) return;
+    const std::uint32_t far = by_place_[place + 3 * kAhead], soon = by_place_[place + 2 * kAhead];
+    __builtin_prefetch(&problem_->begin[far]);
+    __builtin_prefetch(&member_[far]);
+    __builtin_prefetch(&problem_->neighbor[problem_->begin[soon]]);
+    for (const std::uint32_t w : problem_->neighbors(by_place_[place + kAhead])) {
+      __builtin_prefetch(&water_[w]);
+      __builtin_prefetch(&member_[w]);
+    }
+  }
+
+  // A rank in 32 bits leaves the other half of a key to the surface.
+  void sort_by_height() {
+    const std::uint32_t k = problem_->size();
+    keys_.resize(k);
+    for (std::uint32_t v = 0; v < k; ++v) keys_[v] = height_key(problem_->height[v], v);
+    sort_by_upper_half(keys_);
+    by_height_.resize(k);
+    for (std::uint32_t i = 0; i < k; ++i) by_height_[i] = static_cast<std::uint32_t>(keys_[i]);
+  }
 
   void find_places(std::span<const std::int32_t> surface) {
     const std::uint32_t k = problem_->size();
@@ -90,27 +109,36 @@ class ForestFinder::State {
     sort_by_upper_half(keys_);
     by_place_.resize(k);
     member_.resize(k);
-    for (std::uint32_t v = 0; v < k; ++v) member_[v] = {surface[v], 0, kWaiting, false};
+    water_.assign(surface.begin(), surface.end());
     for (std::uint32_t i = 0; i < k; ++i) by_place_[i] = by_height_[static_cast<std::uint32_t>(keys_[i])];
     for (std::uint32_t i = 0; i < k; ++i) {
       if (i + kAhead < k) __builtin_prefetch(&member_[by_place_[i + kAhead]], 1);
-      member_[by_place_[i]].place = i;
+      member_[by_place_[i]] = {i, kWaiting};
     }
   }
 
-  const DrainageProblem* problem_;
+  static constexpr std::uint32_t kOutOfCache = 10'000;  // members: fewer lie in the cache anyway
+
+  const DrainageProblem* problem_ = nullptr;
   std::vector<std::uint32_t> by_height_,
-      by_place_;  // members in the orders (height, number), (surface, height, number)
+      by_place_;                     // members in the orders (height, number), (surface, height, number)
+  std::vector<std::int32_t> water_;  // the surface, kDone where a member has been taken
   std::vector<Member> member_;
   std::vector<std::uint64_t> keys_;
   BitQueue queue_;
 };
 
-ForestFinder::ForestFinder(const DrainageProblem& problem) : problem_(&problem) {}
+ForestFinder::ForestFinder() : state_(std::make_unique<State>()) {}
+ForestFinder::ForestFinder(const DrainageProblem& problem) : ForestFinder() {
+  set_problem(problem);
+}
 ForestFinder::~ForestFinder() = default;
 
+void ForestFinder::set_problem(const DrainageProblem& problem) {
+  state_->set_problem(problem);
+}
+
 void ForestFinder::run(std::span<const std::int32_t> surface, DrainageForest& forest) {
-  if (state_ == nullptr) state_ = std::make_unique<State>(*problem_);
   state_->run(surface, forest);
 }
 

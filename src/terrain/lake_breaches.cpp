@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "breacher.h"
+#include "sifted.h"
 
 namespace hydrotin {
 
@@ -29,18 +30,28 @@ class LakeBreacher::State {
         reach_(reach),
         is_bounded_(limits.max_visits != ~std::uint64_t{0}),
         breacher_(terrain, level, is_known, outlets, measure, limits),
-        is_seen_(terrain.height.size()) {}
+        is_seen_(terrain.height.size(), 0) {}
 
   std::span<const std::uint32_t> lake_around(std::uint32_t seed) {
     lake_.assign(1, seed);
-    is_seen_[seed] = true;
-    for (std::size_t next = 0; next < lake_.size(); ++next)
-      for (const std::uint32_t w : terrain_->graph->neighbors(lake_[next])) {
-        if (is_seen_[w] || level_[w] == height(w)) continue;
-        is_seen_[w] = true;
-        lake_.push_back(w);
-      }
-    for (const std::uint32_t v : lake_) is_seen_[v] = false;
+    low_.clear();
+    is_seen_[seed] = 1;
+    for (std::size_t next = 0; next < lake_.size(); ++next) {
+      const std::uint32_t v = lake_[next];
+      std::int32_t lowest = kNoLevel;
+      for_each_of(
+          terrain_->graph->neighbors(v),
+          [&](std::uint32_t w) {
+            lowest = std::min(lowest, height(w));
+            return (level_[w] != height(w)) & (is_seen_[w] == 0);
+          },
+          [&](std::uint32_t w) {
+            is_seen_[w] = 1;
+            lake_.push_back(w);
+          });
+      if (lowest >= height(v)) low_.push_back(v);
+    }
+    for (const std::uint32_t v : lake_) is_seen_[v] = 0;
     return lake_;
   }
 
@@ -61,42 +72,43 @@ class LakeBreacher::State {
  private:
   [[nodiscard]] std::int32_t height(std::uint32_t v) const { return terrain_->height[v]; }
 
-  // Pits ascending by (height, x, y), each with its plateau.
+  struct Found {
+    std::uint32_t first, begin, end;
+  };
+
+  // Pits ascending by (height, x, y), each with its plateau. A pit is a plateau without a lower neighbour.
   void find_pits() {
-    struct Found {
-      std::uint32_t first, begin, end;
-    };
-    std::vector<Found> found;
-    std::vector<std::uint32_t> vertices;
-    for (const std::uint32_t seed : lake_) {
+    found_.clear();
+    seen_.clear();
+    for (const std::uint32_t seed : low_) {
       if (is_seen_[seed]) continue;
-      const auto begin = static_cast<std::uint32_t>(vertices.size());
+      const auto begin = static_cast<std::uint32_t>(seen_.size());
       bool is_pit = true;
-      vertices.push_back(seed);
-      is_seen_[seed] = true;
-      for (std::size_t next = begin; next < vertices.size(); ++next)
-        for (const std::uint32_t w : terrain_->graph->neighbors(vertices[next])) {
+      seen_.push_back(seed);
+      is_seen_[seed] = 1;
+      for (std::size_t next = begin; next < seen_.size(); ++next)
+        for (const std::uint32_t w : terrain_->graph->neighbors(seen_[next])) {
           is_pit &= height(w) >= height(seed);
           if (height(w) != height(seed) || is_seen_[w]) continue;
-          is_seen_[w] = true;
-          vertices.push_back(w);
+          is_seen_[w] = 1;
+          seen_.push_back(w);
         }
       std::uint32_t first = seed;
-      for (std::size_t i = begin; i < vertices.size(); ++i)
-        if (terrain_->position[vertices[i]] < terrain_->position[first]) first = vertices[i];
+      for (std::size_t i = begin; i < seen_.size(); ++i)
+        if (terrain_->position[seen_[i]] < terrain_->position[first]) first = seen_[i];
       // Plateaus that are no pits stay in the list until all are seen: their vertices must not be visited again.
-      if (is_pit) found.push_back({first, begin, static_cast<std::uint32_t>(vertices.size())});
+      if (is_pit) found_.push_back({first, begin, static_cast<std::uint32_t>(seen_.size())});
     }
-    for (const std::uint32_t v : vertices) is_seen_[v] = false;
-    std::sort(found.begin(), found.end(), [&](const Found& a, const Found& b) {
+    for (const std::uint32_t v : seen_) is_seen_[v] = 0;
+    std::sort(found_.begin(), found_.end(), [&](const Found& a, const Found& b) {
       return std::tuple(height(a.first), terrain_->position[a.first]) <
              std::tuple(height(b.first), terrain_->position[b.first]);
     });
     plateau_begin_.assign(1, 0);
     plateau_vertex_.clear();
-    for (const Found& pit : found) {
+    for (const Found& pit : found_) {
       result_->pit.push_back(pit.first);
-      plateau_vertex_.insert(plateau_vertex_.end(), vertices.begin() + pit.begin, vertices.begin() + pit.end);
+      plateau_vertex_.insert(plateau_vertex_.end(), seen_.begin() + pit.begin, seen_.begin() + pit.end);
       plateau_begin_.push_back(static_cast<std::uint32_t>(plateau_vertex_.size()));
     }
   }
@@ -160,8 +172,10 @@ class LakeBreacher::State {
   MemberReach reach_;
   bool is_bounded_;
   Breacher breacher_;
-  std::vector<bool> is_seen_;
-  std::vector<std::uint32_t> lake_, plateau_begin_, plateau_vertex_;
+  std::vector<std::uint8_t> is_seen_;
+  std::vector<std::uint32_t> lake_, low_;  // the lake; those of it without a lower neighbour
+  std::vector<Found> found_;
+  std::vector<std::uint32_t> seen_, plateau_begin_, plateau_vertex_;
   LakeBreaches* result_ = nullptr;
 };
 

@@ -18,7 +18,7 @@ std::vector<std::int32_t> flood_from(const VertexGraph& graph, std::span<const s
     assert(height[v] != kNoLevel && "this height means no level");
     if (const std::int32_t l = source_level(v); l != kNoLevel) flood.add_source(v, l);
   }
-  flood.run([](std::uint32_t, std::uint32_t) {});
+  flood.run(NoVisitor());
   return level;
 }
 

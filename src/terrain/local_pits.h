@@ -45,9 +45,11 @@ struct LocalPits {
 };
 
 /// @param level  `lift` of the surface.
-inline LocalPits find_local_pits(const DrainageProblem& problem, std::span<const std::int32_t> surface,
-                                 std::span<const std::int32_t> level) {
-  LocalPits pits;
+/// @param pits   filled.
+inline void find_local_pits(const DrainageProblem& problem, std::span<const std::int32_t> surface,
+                            std::span<const std::int32_t> level, LocalPits& pits) {
+  pits.pit.clear();
+  pits.plateau.clear();
   std::vector<bool> is_seen(problem.size());
   for (std::uint32_t v = 0; v < problem.size(); ++v) {
     if (is_seen[v] || level[v] == surface[v]) continue;
@@ -67,6 +69,12 @@ inline LocalPits find_local_pits(const DrainageProblem& problem, std::span<const
     else
       pits.plateau.resize(begin);
   }
+}
+
+inline LocalPits find_local_pits(const DrainageProblem& problem, std::span<const std::int32_t> surface,
+                                 std::span<const std::int32_t> level) {
+  LocalPits pits;
+  find_local_pits(problem, surface, level, pits);
   return pits;
 }
 

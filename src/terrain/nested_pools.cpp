@@ -57,7 +57,9 @@ class Reducer : private ContentSweep {
     const std::vector<std::uint32_t> order = order_vertices(height_, position_);
     sort_triangles(order);
     pool_of_.assign(height_.size(), kNone);
-    for (const std::uint32_t v : order) {
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      const std::uint32_t v = order[i];
+      look_ahead(order, i);
       find_meeting(v);
       const bool is_new = meeting_.empty();
       if (is_new) {
@@ -342,8 +344,12 @@ class Weigher : private ContentSweep {
     for (const PoolQuery& q : query) wanted.push_back(q.vertex);
     std::sort(wanted.begin(), wanted.end());
     std::vector<std::pair<std::uint64_t, std::uint32_t>> vertex_of;  // of those that are asked for
-    for (std::uint32_t v = 0; v < id_.size(); ++v)
-      if (std::binary_search(wanted.begin(), wanted.end(), id_[v])) vertex_of.emplace_back(id_[v], v);
+    auto at_wanted = wanted.begin();                                 // ids of a part ascend but for few places
+    for (std::uint32_t v = 0; v < id_.size(); ++v) {
+      if (v > 0 && id_[v] < id_[v - 1]) at_wanted = std::lower_bound(wanted.begin(), wanted.end(), id_[v]);
+      while (at_wanted != wanted.end() && *at_wanted < id_[v]) ++at_wanted;
+      if (at_wanted != wanted.end() && *at_wanted == id_[v]) vertex_of.emplace_back(id_[v], v);
+    }
     std::sort(vertex_of.begin(), vertex_of.end());
     const std::vector<std::uint32_t> order = order_vertices(height_, position_);
     sort_triangles(order);
@@ -356,23 +362,29 @@ class Weigher : private ContentSweep {
         answer[next] = content_of(find(pool_of_[at->second]), query[next].moment.height);
       }
     };
-    for (const std::uint32_t v : order) {
-      const RankedVertex at = ranked(v);
-      answer_before(&at);
-      if (next == query.size()) break;
+    for (std::size_t i = 0; i < order.size() && next < query.size(); ++i) {
+      const std::uint32_t v = order[i];
+      look_ahead(order, i);
+      if (query[next].moment.height <= height_[v]) {
+        const RankedVertex at = ranked(v);
+        answer_before(&at);
+        if (next == query.size()) break;
+      }
       find_meeting(v);
       if (meeting_.empty()) meeting_.push_back(make_pool(v));
       const std::uint32_t pool = meeting_.front();
       for (const std::uint32_t other : meeting_)
         if (other != pool) absorb(pool, other);
       pool_of_[v] = pool;
-      const Pool before = pools_[pool];
-      add_vertex(pools_[pool], v);
-      if (!counts[v]) {  // another part counts it
-        pools_[pool].num_vertices = before.num_vertices;
-        pools_[pool].sum_of_heights = before.sum_of_heights;
-        pools_[pool].num_at_top = before.top == height_[v] ? before.num_at_top : 0;
+      if (counts[v]) {
+        add_vertex(pools_[pool], v);
+        continue;
       }
+      const Pool before = pools_[pool];  // another part counts it
+      add_vertex(pools_[pool], v);
+      pools_[pool].num_vertices = before.num_vertices;
+      pools_[pool].sum_of_heights = before.sum_of_heights;
+      pools_[pool].num_at_top = before.top == height_[v] ? before.num_at_top : 0;
     }
     answer_before(nullptr);
     return answer;

@@ -11,21 +11,16 @@
 #include "height_key.h"
 #include "hydrotin/group_cut.h"
 #include "hydrotin/lake_breaches.h"
+#include "radix_sort.h"
 
 namespace hydrotin {
 namespace {
 
-/// Sorts a list of neighbours. Most have six or so: those are sorted by a network (Batcher's), whose steps do not
-/// depend on the numbers and so are not guessed wrong.
-void sort_neighbors(std::span<std::uint32_t> list) {
-  constexpr std::size_t kSize = 8;
-  if (list.size() > kSize) {
-    std::sort(list.begin(), list.end());
-    return;
-  }
-  std::array<std::uint32_t, kSize> a;
-  a.fill(kNoVertexNumber);
-  std::copy(list.begin(), list.end(), a.begin());
+/// Most lists of neighbours have six or so: those are sorted in registers.
+constexpr std::size_t kShortList = 8;
+
+/// Sorts by a network (Batcher's), whose steps do not depend on the numbers and so are not guessed wrong.
+void sort_short_list(std::array<std::uint32_t, kShortList>& a) {
   const auto order = [&](std::size_t i, std::size_t j) {
     const std::uint32_t low = std::min(a[i], a[j]), high = std::max(a[i], a[j]);
     a[i] = low, a[j] = high;
@@ -36,7 +31,6 @@ void sort_neighbors(std::span<std::uint32_t> list) {
   order(0, 4), order(1, 5), order(2, 6), order(3, 7);
   order(2, 4), order(3, 5);
   order(1, 2), order(3, 4), order(5, 6);
-  std::copy(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(list.size()), list.begin());
 }
 
 std::vector<std::uint32_t> plateau_of(const ChangeableTerrain& terrain, std::uint32_t v) {
@@ -180,67 +174,105 @@ class ComponentFinder {
       : terrain_(&terrain), result_(&result), pits_(std::move(pits)) {}
 
   void collect(std::span<const std::uint8_t> is_member) {
-    constexpr std::uint32_t kNone = 0xffffffffu;
-    const auto before = [&](std::uint32_t a, std::uint32_t b) { return terrain_->position[a] < terrain_->position[b]; };
-    std::vector<std::uint32_t> component(is_member.size(), kNone), begin{0}, member;
-    for (std::uint32_t seed = 0; seed < is_member.size(); ++seed) {
-      if (!is_member[seed] || component[seed] != kNone) continue;
-      const auto number = static_cast<std::uint32_t>(begin.size() - 1);
-      component[seed] = number;
-      member.push_back(seed);
-      for (std::size_t next = begin.back(); next < member.size(); ++next)
-        for (const std::uint32_t w : neighbors(member[next]))
-          if (is_member[w] && component[w] == kNone) {
-            component[w] = number;
-            member.push_back(w);
-          }
-      sort_by_position(member, begin.back());
-      begin.push_back(static_cast<std::uint32_t>(member.size()));
-    }
+    const std::vector<std::uint32_t> component = number_components(is_member);
+    sort_members(is_member, component);
     // Components by their smallest members.
-    std::vector<std::uint32_t> order(begin.size() - 1), place(order.size());
-    for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-    std::sort(order.begin(), order.end(),
-              [&](std::uint32_t a, std::uint32_t b) { return before(member[begin[a]], member[begin[b]]); });
+    const std::size_t num_components = begin_.size() - 1;
+    std::vector<Member> first(num_components);
+    for (std::uint32_t c = 0; c < num_components; ++c) first[c] = {key_of(member_[begin_[c]]), c};
+    std::sort(first.begin(), first.end());
+    std::vector<std::uint32_t> place(num_components);
     result_->begin.assign(1, 0);
-    result_->member.reserve(member.size());
-    for (std::uint32_t i = 0; i < order.size(); ++i) {
-      place[order[i]] = i;
-      result_->member.insert(result_->member.end(), member.begin() + begin[order[i]],
-                             member.begin() + begin[order[i] + 1]);
+    result_->member.clear();
+    result_->member.reserve(member_.size());
+    for (std::uint32_t i = 0; i < num_components; ++i) {
+      const std::uint32_t c = first[i].vertex;
+      place[c] = i;
+      result_->member.insert(result_->member.end(), member_.begin() + begin_[c], member_.begin() + begin_[c + 1]);
       result_->begin.push_back(static_cast<std::uint32_t>(result_->member.size()));
     }
     std::sort(pits_.begin(), pits_.end(), [&](std::uint32_t a, std::uint32_t b) {
       const std::uint32_t p = place[component[a]], q = place[component[b]];
       if (p != q) return p < q;
-      return height(a) != height(b) ? height(a) < height(b) : before(a, b);
+      return std::tie(terrain_->height[a], terrain_->position[a]) <
+             std::tie(terrain_->height[b], terrain_->position[b]);
     });
-    result_->pit_begin.assign(order.size() + 1, 0);
+    result_->pit_begin.assign(num_components + 1, 0);
     for (const std::uint32_t pit : pits_) ++result_->pit_begin[place[component[pit]] + 1];
-    for (std::size_t i = 0; i < order.size(); ++i) result_->pit_begin[i + 1] += result_->pit_begin[i];
+    for (std::size_t i = 0; i < num_components; ++i) result_->pit_begin[i + 1] += result_->pit_begin[i];
     result_->pit = std::move(pits_);
   }
 
  private:
-  [[nodiscard]] std::int32_t height(std::uint32_t v) const { return terrain_->height[v]; }
-  [[nodiscard]] std::span<const std::uint32_t> neighbors(std::uint32_t v) const {
-    return terrain_->graph->neighbors(v);
+  struct Member {
+    std::uint64_t key;  // (x, y)
+    std::uint32_t vertex;
+    friend auto operator<=>(const Member&, const Member&) = default;
+  };
+
+  // [n] of members: the components by their smallest numbers; their sizes go to `begin_`. Sets are united in one scan
+  // of the members; the smallest vertex of a set stands for it, so that all others find its number before theirs.
+  std::vector<std::uint32_t> number_components(std::span<const std::uint8_t> is_member) {
+    std::vector<std::uint32_t> parent(is_member.size());
+    const auto find = [&](std::uint32_t v) {
+      while (parent[v] != v) v = parent[v] = parent[parent[v]];
+      return v;
+    };
+    for (std::uint32_t v = 0; v < is_member.size(); ++v) {
+      if (!is_member[v]) continue;
+      std::uint32_t root = parent[v] = v;
+      for (const std::uint32_t w : terrain_->graph->neighbors(v)) {
+        if (w > v) break;  // neighbours ascend
+        if (!is_member[w]) continue;
+        const std::uint32_t other = find(w), low = std::min(root, other);
+        parent[root] = parent[other] = low;
+        root = low;
+      }
+    }
+    begin_.assign(1, 0);
+    for (std::uint32_t v = 0; v < is_member.size(); ++v) {
+      if (!is_member[v]) continue;
+      if (parent[v] == v) {
+        parent[v] = static_cast<std::uint32_t>(begin_.size() - 1);
+        begin_.push_back(0);
+      } else {
+        parent[v] = parent[parent[v]];
+      }
+      ++begin_[parent[v] + 1];
+    }
+    for (std::size_t c = 1; c < begin_.size(); ++c) begin_[c] += begin_[c - 1];
+    return parent;
   }
 
-  void sort_by_position(std::vector<std::uint32_t>& member, std::size_t from) {
-    keyed_.clear();
-    for (std::size_t i = from; i < member.size(); ++i) {
-      const LatticePoint p = terrain_->position[member[i]];
-      keyed_.emplace_back(biased(p.x) << 32 | biased(p.y), member[i]);
-    }
-    std::sort(keyed_.begin(), keyed_.end());
-    for (std::size_t i = from; i < member.size(); ++i) member[i] = keyed_[i - from].second;
+  [[nodiscard]] std::uint64_t key_of(std::uint32_t v) const {
+    const LatticePoint p = terrain_->position[v];
+    return biased(p.x) << 32 | biased(p.y);
   }
+
+  // The members of each component by (x, y).
+  void sort_members(std::span<const std::uint8_t> is_member, const std::vector<std::uint32_t>& component) {
+    member_.resize(begin_.back());
+    std::vector<std::uint32_t> end(begin_.begin(), begin_.end() - 1);
+    for (std::uint32_t v = 0; v < is_member.size(); ++v)
+      if (is_member[v]) member_[end[component[v]]++] = v;
+    std::vector<Member> keyed;
+    for (std::size_t c = 0; c + 1 < begin_.size(); ++c) {
+      keyed.clear();
+      for (std::size_t i = begin_[c]; i < begin_[c + 1]; ++i) keyed.push_back({key_of(member_[i]), member_[i]});
+      if (keyed.size() < kManyMembers)
+        std::sort(keyed.begin(), keyed.end());
+      else
+        radix_sort(keyed, [](const Member& m) { return m.key; });
+      for (std::size_t i = begin_[c]; i < begin_[c + 1]; ++i) member_[i] = keyed[i - begin_[c]].vertex;
+    }
+  }
+
+  static constexpr std::size_t kManyMembers = 5000;
 
   const ChangeableTerrain* terrain_;
   PitComponents* result_;
   std::vector<std::uint32_t> pits_;
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> keyed_;
+  std::vector<std::uint32_t> begin_, member_;  // of component c: member_[begin_[c] .. begin_[c + 1])
 };
 
 }  // namespace
@@ -327,30 +359,54 @@ void make_problem(const ChangeableTerrain& terrain, const PitComponents& compone
                                               components.member.data() + components.begin[component + 1]);
   problem.clear();
   for (std::uint32_t i = 0; i < member.size(); ++i) number[member[i]] = i;
-  problem.begin.push_back(0);
-  constexpr std::size_t kAhead = 8;
-  for (std::size_t i = 0; i < member.size(); ++i) {
-    if (i + kAhead < member.size()) __builtin_prefetch(&terrain.graph->begin[member[i + kAhead]]);
-    const std::uint32_t v = member[i];
-    const std::int32_t h = terrain.height[v];
-    std::int32_t exit = kNoLevel;
-    const std::size_t first = problem.neighbor.size();
-    for (const std::uint32_t w : terrain.graph->neighbors(v)) {
-      if (number[w] == kNoVertexNumber)
-        exit = std::min(exit, terrain.height[w]);
-      else
-        problem.neighbor.push_back(number[w]);
+  const std::size_t k = member.size();
+  problem.begin.resize(k + 1);
+  problem.height.resize(k), problem.exit.resize(k), problem.level.resize(k), problem.breached.resize(k);
+  const VertexGraph& graph = *terrain.graph;
+  std::size_t end = 0;
+  for (std::size_t i = 0; i < k; ++i) {
+    constexpr std::size_t kAhead = 8;  // members near each other by (x, y) may lie anywhere in memory
+    if (i + 2 * kAhead < k) __builtin_prefetch(&graph.begin[member[i + 2 * kAhead]]);
+    if (i + kAhead < k) {
+      const std::uint32_t soon = member[i + kAhead];
+      __builtin_prefetch(graph.neighbor.data() + graph.begin[soon]);
+      __builtin_prefetch(&terrain.height[soon]);
+      __builtin_prefetch(&components.level[soon]);
+      __builtin_prefetch(&components.breached[soon]);
     }
-    sort_neighbors(std::span(problem.neighbor).subspan(first));
-    problem.begin.push_back(static_cast<std::uint32_t>(problem.neighbor.size()));
-    problem.height.push_back(h);
-    problem.exit.push_back(exit);
-    problem.level.push_back(components.level[v]);
-    problem.breached.push_back(components.breached[v]);
+    const std::uint32_t v = member[i];
+    const std::span<const std::uint32_t> around = graph.neighbors(v);
+    const std::size_t first = end, most = first + std::max(around.size(), kShortList);
+    if (problem.neighbor.size() < most) problem.neighbor.resize(std::max(most, 2 * problem.neighbor.size()));
+    std::array<std::uint32_t, kShortList> few;
+    few.fill(kNoVertexNumber);
+    std::uint32_t* const list = around.size() <= kShortList ? few.data() : problem.neighbor.data() + first;
+    std::int32_t exit = kNoLevel;
+    std::size_t count = 0;
+    for (const std::uint32_t w : around) {
+      const std::uint32_t j = number[w];
+      list[count] = j;
+      count += j != kNoVertexNumber ? 1 : 0;
+      exit = std::min(exit, j == kNoVertexNumber ? terrain.height[w] : kNoLevel);
+    }
+    if (list == few.data()) {
+      sort_short_list(few);
+      for (std::size_t j = 0; j < kShortList; ++j) problem.neighbor[first + j] = few[j];  // what is behind comes later
+    } else {
+      std::sort(list, list + count);
+    }
+    end += count;
+    problem.begin[i + 1] = static_cast<std::uint32_t>(end);
+    problem.height[i] = terrain.height[v];
+    problem.exit[i] = exit;
+    problem.level[i] = components.level[v];
+    problem.breached[i] = components.breached[v];
     if (!terrain.weight.empty()) problem.weight.push_back(terrain.weight[v]);
     if (!terrain.lower.empty()) problem.lower.push_back(terrain.lower[v]);
     if (!terrain.upper.empty()) problem.upper.push_back(terrain.upper[v]);
   }
+  problem.begin[0] = 0;
+  problem.neighbor.resize(end);
   for (const std::uint32_t v : member) number[v] = kNoVertexNumber;
 }
 

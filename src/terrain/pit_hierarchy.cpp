@@ -27,7 +27,9 @@ class Hierarchy : private PoolSweep {
     const std::vector<std::uint32_t> order = order_vertices(height_, position_);
     sort_triangles(order);
     pool_of_.assign(height_.size(), kNone);
-    for (const std::uint32_t v : order) {
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      const std::uint32_t v = order[i];
+      look_ahead(order, i);
       const std::uint32_t pool = join_at(v, is_outlet[v] != 0);
       pool_of_[v] = pool;
       add_vertex(pools_[pool], v);

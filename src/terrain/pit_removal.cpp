@@ -13,20 +13,20 @@
 namespace hydrotin {
 namespace {
 
-std::vector<std::int32_t> solve(const DrainageProblem& problem, const RemovalOptions& options,
+std::vector<std::int32_t> solve(const DrainageProblem& problem, const RemovalOptions& options, ChangeScratch& scratch,
                                 std::uint64_t& num_unguaranteed) {
   const SearchLimits limits{options.limits.max_depth, options.limits.max_visits};
   switch (options.method) {
     case RemovalMethod::least_change:
-      return least_change(problem, {options.measure, limits, options.thorough, options.max_rounds});
+      return least_change(problem, {options.measure, limits, options.thorough, options.max_rounds}, scratch);
     case RemovalMethod::greedy_breach: {
-      if (options.measure == ChangeMeasure::max) return breach_all(problem, options.measure, limits);
+      if (options.measure == ChangeMeasure::max) return breach_all(problem, options.measure, limits, scratch);
       GreedyBreach greedy = greedy_breach(problem, options.measure, options.limits.max_depth);
       num_unguaranteed += greedy.has_guarantee ? 0 : 1;
       return std::move(greedy.surface);
     }
     case RemovalMethod::breach:
-      return breach_all(problem, options.measure, limits);
+      return breach_all(problem, options.measure, limits, scratch);
     case RemovalMethod::lift:
       break;
   }
@@ -74,6 +74,7 @@ std::uint64_t solve_components(const ChangeableTerrain& terrain, const PitCompon
   std::uint64_t num_unguaranteed = 0;
   std::vector<std::uint32_t> number(terrain.height.size(), kNoVertexNumber);
   DrainageProblem problem;
+  ChangeScratch scratch;
   for (std::size_t i = 0; i < components.size(); ++i) {
     const std::span<const std::uint32_t> member(components.member.data() + components.begin[i],
                                                 components.member.data() + components.begin[i + 1]);
@@ -82,7 +83,7 @@ std::uint64_t solve_components(const ChangeableTerrain& terrain, const PitCompon
       continue;
     }
     make_problem(terrain, components, i, number, problem);
-    const std::vector<std::int32_t> surface = solve(problem, options, num_unguaranteed);
+    const std::vector<std::int32_t> surface = solve(problem, options, scratch, num_unguaranteed);
     for (std::uint32_t j = 0; j < member.size(); ++j) height[member[j]] = surface[j];
   }
   return num_unguaranteed;

@@ -144,13 +144,30 @@ class PoolSweep {
     }
   }
 
-  // The pools that neighbours of v belong to, ascending.
+  // Fetches what the sweep needs soon: vertices that follow each other in height lie anywhere in memory.
+  void look_ahead(const std::vector<std::uint32_t>& order, std::size_t i) const {
+    constexpr std::size_t kAhead = 4;
+    if (i + 3 * kAhead >= order.size()) return;
+    const std::uint32_t far = order[i + 3 * kAhead], soon = order[i + 2 * kAhead];
+    __builtin_prefetch(&graph_->begin[far]);
+    __builtin_prefetch(&first_[far]);
+    __builtin_prefetch(&height_[far]);
+    __builtin_prefetch(graph_->neighbor.data() + graph_->begin[soon]);
+    if (first_[soon] != kNone) __builtin_prefetch(&next_[first_[soon]]);
+    for (const std::uint32_t w : graph_->neighbors(order[i + kAhead])) __builtin_prefetch(&pool_of_[w]);
+  }
+
+  // The pools that neighbours of v belong to, ascending. Mostly one or two.
   void find_meeting(std::uint32_t v) {
     meeting_.clear();
-    for (const std::uint32_t w : graph_->neighbors(v))
-      if (pool_of_[w] != kNone) meeting_.push_back(find(pool_of_[w]));
-    std::sort(meeting_.begin(), meeting_.end());
-    meeting_.erase(std::unique(meeting_.begin(), meeting_.end()), meeting_.end());
+    std::uint32_t last = kNone;
+    for (const std::uint32_t w : graph_->neighbors(v)) {
+      if (pool_of_[w] == kNone || pool_of_[w] == last) continue;
+      last = pool_of_[w];
+      const std::uint32_t pool = find(last);
+      if (std::find(meeting_.begin(), meeting_.end(), pool) == meeting_.end()) meeting_.push_back(pool);
+    }
+    if (meeting_.size() > 1) std::sort(meeting_.begin(), meeting_.end());
   }
 
   void raise_prices(std::uint32_t number, std::int32_t level) {

@@ -37,19 +37,39 @@ constexpr std::uint32_t kUnlabelled = kOutlet;
 // of
 //   the path is an edge of height <= t between labels or joins equal labels, and leads from label(a) = a to label(b) =
 //   b. (A terminal is its own nearest: every path contains its start.)
-std::vector<SpillEdge> edges_between_catchments(const VertexGraph& graph, std::span<const std::int32_t> level,
-                                                std::span<const std::uint32_t> label) {
-  std::vector<SpillEdge> edges;
-  for (std::uint32_t v = 0; v < graph.num_vertices(); ++v) {
-    const std::uint32_t a = label[v];
-    for (const std::uint32_t w : graph.neighbors(v)) {
-      if (w > v) break;  // neighbours ascend: each edge once
-      if (const std::uint32_t b = label[w]; a != b)
-        edges.push_back({std::min(a, b), std::max(a, b), std::max(level[v], level[w])});
+//
+// Of the edges between two catchments only the lowest counts. They are found one after the other along the border of
+// the two, so a table of a few pairs, each overwritten by the next that falls on its place, drops most of the others.
+class SpillEdges {
+ public:
+  void add(std::uint32_t a, std::uint32_t b, std::int32_t height) {
+    const SpillEdge edge{std::min(a, b), std::max(a, b), height};
+    std::uint32_t& last = last_[(edge.a * 0x9e3779b1u + edge.b * 0x85ebca77u) >> (32 - kTableBits)];
+    if (last < edge_.size() && edge_[last].a == edge.a && edge_[last].b == edge.b) {
+      edge_[last].height = std::min(edge_[last].height, height);
+      return;
     }
+    last = static_cast<std::uint32_t>(edge_.size());
+    edge_.push_back(edge);
   }
-  return edges;
-}
+  [[nodiscard]] std::vector<SpillEdge>& edges() { return edge_; }
+
+ private:
+  static constexpr int kTableBits = 12;
+  std::vector<SpillEdge> edge_;
+  std::vector<std::uint32_t> last_ = std::vector<std::uint32_t>(std::size_t{1} << kTableBits, 0);  // places in `edge_`
+};
+
+/// Hands labels on, and collects the edges between catchments.
+struct CatchmentVisitor {
+  std::span<std::uint32_t> label;
+  std::span<const std::int32_t> level;
+  SpillEdges& between;
+
+  void reach(std::uint32_t v, std::uint32_t w) const { label[w] = label[v]; }
+  [[nodiscard]] bool parts(std::uint32_t v, std::uint32_t w) const { return label[v] != label[w]; }
+  void meet(std::uint32_t v, std::uint32_t w) const { between.add(label[v], label[w], std::max(level[v], level[w])); }
+};
 
 }  // namespace
 
@@ -70,20 +90,19 @@ SpillTree reduce_to_rim(const VertexGraph& graph, std::span<const std::int32_t> 
     label[rim[r]] = r;
     flood.add_source(rim[r], height[rim[r]]);
   }
-  std::vector<SpillEdge> edges;
+  SpillEdges between;
   for (std::uint32_t v = 0; v < height.size(); ++v) {
     assert(height[v] != kNoLevel && "this height means no level");
     if (!is_outlet[v]) continue;
     if (is_rim[v]) {
-      edges.push_back({label[v], outlets, height[v]});
+      between.add(label[v], outlets, height[v]);
     } else {
       label[v] = outlets;
       flood.add_source(v, height[v]);
     }
   }
-  flood.run([&](std::uint32_t v, std::uint32_t w) { label[w] = label[v]; });
-  const std::vector<SpillEdge> between = edges_between_catchments(graph, level, label);
-  edges.insert(edges.end(), between.begin(), between.end());
+  flood.run(CatchmentVisitor{label, level, between});
+  std::vector<SpillEdge>& edges = between.edges();
 
   // Kruskal. Any order of equal heights gives a minimax forest: at each height the same sets of terminals are joined.
   radix_sort(edges, [](const SpillEdge& e) { return biased(e.height); });

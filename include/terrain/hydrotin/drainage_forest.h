@@ -47,14 +47,16 @@ struct DrainageForest {
 /// Complexity: O((k + e) log k).
 class ForestFinder {
  public:
+  ForestFinder();
   explicit ForestFinder(const DrainageProblem& problem);
   ~ForestFinder();
+  /// The problem of the next runs, which must stay as it is meanwhile.
+  void set_problem(const DrainageProblem& problem);
   void run(std::span<const std::int32_t> surface, DrainageForest& forest);
 
  private:
   class State;
-  const DrainageProblem* problem_;
-  std::unique_ptr<State> state_;  // made by the first run
+  std::unique_ptr<State> state_;
 };
 
 class TreeRegression {

@@ -24,7 +24,7 @@
 /// Source   thesis, Theorem 6.2; FINDINGS C3.
 /// Properties
 ///   (1) The result does not depend on the numbering of vertices, nor on the part that was asked, once it knows enough.
-/// Threads  One object belongs to one thread; it keeps 4 to 6 bytes per vertex from call to call, and 28 for each
+/// Threads  One object belongs to one thread; it keeps 5 or 6 bytes per vertex from call to call, and 40 for each
 ///          vertex that its largest search looked at.
 
 namespace hydrotin {

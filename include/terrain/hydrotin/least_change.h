@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "hydrotin/drainage_problem.h"
@@ -14,7 +15,7 @@
 ///   (1) Every result drains, lies nowhere above the lifted surface, and within the bounds of the problem.
 ///   (2) `least_change` costs no more than `lift` nor than `breach_all` in the same measure.
 ///   (3) Results are functions of the problem: no clock, no random number, ties by (x, y).
-/// Threads  Pure: safe to call concurrently, no hidden parallelism.
+/// Threads  Pure: safe to call concurrently, no hidden parallelism; but one `ChangeScratch` belongs to one thread.
 
 namespace hydrotin {
 
@@ -24,12 +25,27 @@ struct SearchLimits {
   std::uint64_t max_visits = ~std::uint64_t{0};  ///< vertices looked at for one pit
 };
 
+/// Memory of the methods, kept from problem to problem: most problems have a few members only, and are solved in less
+/// time than memory takes to be found.
+class ChangeScratch {
+ public:
+  class State;
+  ChangeScratch();
+  ~ChangeScratch();
+  [[nodiscard]] State& state() { return *state_; }
+
+ private:
+  std::unique_ptr<State> state_;
+};
+
 /// Breaches pit after pit on the surface that the breaches before have left, so that channels are shared: ascending by
 /// (spill level, height, x, y), and in problems of up to 100 members also by (height, spill level, x, y); compared with
 /// the breaches by themselves, `DrainageProblem::breached`; the cheapest of these. What cannot be breached is lifted.
 ///
 /// Complexity: the searches of Theorem 6.2 for all pits, twice. Pits whose searches `max_visits` ends are breached
 /// together afterwards, along the forest by which the flooded rest drains.
+[[nodiscard]] std::vector<std::int32_t> breach_all(const DrainageProblem& problem, ChangeMeasure measure,
+                                                   const SearchLimits& limits, ChangeScratch& scratch);
 [[nodiscard]] std::vector<std::int32_t> breach_all(const DrainageProblem& problem, ChangeMeasure measure,
                                                    const SearchLimits& limits);
 
@@ -48,6 +64,8 @@ struct LeastChangeOptions {
 /// D such that h - D, lifted, lies nowhere above h + D), then the total is reduced within h - D .. h + D.
 ///
 /// Complexity: rounds times O((k + e) log k), plus `breach_all`.
+[[nodiscard]] std::vector<std::int32_t> least_change(const DrainageProblem& problem, const LeastChangeOptions& options,
+                                                     ChangeScratch& scratch);
 [[nodiscard]] std::vector<std::int32_t> least_change(const DrainageProblem& problem, const LeastChangeOptions& options);
 
 }  // namespace hydrotin

@@ -60,7 +60,8 @@ struct Catchments {
 /// @param is_outlet  [n] nonzero where water may leave; the same in all parts of a vertex.
 /// @param catchments if not null, receives the catchments behind the tree, for `lift_catchments`.
 /// Complexity: a flood (see `lift`), which finds the edges between catchments on its way; 8 bytes per vertex and at
-/// most 48 per edge between catchments of different terminals, mostly per pair of catchments. Fails: never on data; std::bad_alloc. Preconditions are asserted.
+/// most 48 per edge between catchments of different terminals, mostly per pair of catchments. Fails: never on data;
+/// std::bad_alloc. Preconditions are asserted.
 [[nodiscard]] SpillTree reduce_to_rim(const VertexGraph& graph, std::span<const std::int32_t> height,
                                       std::span<const std::uint64_t> global_id, std::span<const std::uint8_t> is_rim,
                                       std::span<const std::uint8_t> is_outlet, Catchments* catchments = nullptr);

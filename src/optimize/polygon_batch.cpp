@@ -230,6 +230,7 @@ void PolygonExtractor::extract_delaunay(std::uint32_t f) {
   delaunay_.clear();
   others_.clear();
   others_order_.clear();
+  edge_before_ = {};
   for (const TriangleId t : source_.subdivision.triangles_of(f)) {
     const HalfedgeId h = first_halfedge(t);
     delaunay_.push_back({local(tri.origin[h]), local(tri.target(h)), local(tri.apex(h))});
@@ -240,8 +241,15 @@ void PolygonExtractor::extract_delaunay(std::uint32_t f) {
   }
 }
 
+// The triangles of one edge come one after the other, their first two corners on it, and so do the edges of a vertex.
 void PolygonExtractor::add_other(const std::array<VertexId, 3>& triangle, std::uint8_t order) {
-  others_.push_back({local(triangle[0]), local(triangle[1]), local(triangle[2])});
+  const auto on_edge = [&](VertexId v) {
+    if (v == edge_before_[0].vertex) return edge_before_[0];
+    if (v == edge_before_[1].vertex) return edge_before_[1];
+    return Numbered{v, local(v)};
+  };
+  edge_before_ = {on_edge(triangle[0]), on_edge(triangle[1])};
+  others_.push_back({edge_before_[0].local, edge_before_[1].local, local(triangle[2])});
   others_order_.push_back(order);
 }
 

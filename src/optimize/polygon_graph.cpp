@@ -17,22 +17,24 @@ constexpr std::size_t kLarge = 4096;  // vertices; beyond it places for edges ar
 std::size_t PolygonGraph::slot_of(std::uint32_t low, std::uint32_t high) const {
   const std::size_t mask = slot_.size() - 1;
   std::size_t i = (std::size_t{9} * low + std::size_t{7} * high) & mask;
-  while ((slot_[i].low != low || slot_[i].high != high) && slot_[i].edge != kNoEdge) i = (i + 1) & mask;
-  return i;
+  for (;; i = (i + 1) & mask) {
+    const std::uint32_t e = slot_[i];
+    if (e == kNoEdge || (edges_[e].origin == low && edges_[e].target == high)) return i;
+  }
 }
 
 // Places for the edges that there are, and for twice as many at least.
 void PolygonGraph::make_slots(std::size_t size) {
-  slot_.assign(std::bit_ceil(size), Slot{});
+  slot_.assign(std::bit_ceil(size), kNoEdge);
   for (std::uint32_t e = 0; e < num_edges(); e += 2) {
     const auto [low, high] = std::minmax(edges_[e].origin, edges_[e].target);
-    slot_[slot_of(low, high)] = {low, high, edges_[e].origin == low ? e : twin(e)};
+    slot_[slot_of(low, high)] = edges_[e].origin == low ? e : twin(e);
   }
 }
 
 std::uint32_t PolygonGraph::find(std::uint32_t origin, std::uint32_t target) const {
   const auto [low, high] = std::minmax(origin, target);
-  const std::uint32_t edge = slot_[slot_of(low, high)].edge;
+  const std::uint32_t edge = slot_[slot_of(low, high)];
   return edge == kNoEdge || origin == low ? edge : twin(edge);
 }
 
@@ -53,11 +55,11 @@ void PolygonGraph::add(std::uint32_t origin, std::uint32_t target) {
 
 std::uint32_t PolygonGraph::find_or_add(std::uint32_t origin, std::uint32_t target) {
   const auto [low, high] = std::minmax(origin, target);
-  Slot& slot = slot_[slot_of(low, high)];
+  std::uint32_t& slot = slot_[slot_of(low, high)];
   const auto turn = static_cast<std::uint32_t>(origin != low);
-  if (slot.edge != kNoEdge) return slot.edge ^ turn;
+  if (slot != kNoEdge) return slot ^ turn;
   const std::uint32_t edge = num_edges();
-  slot = {low, high, edge ^ turn};
+  slot = edge ^ turn;
   add(origin, target);
   if (edges_.size() > slot_.size()) make_slots(2 * slot_.size());
   return edge;
@@ -76,8 +78,7 @@ void PolygonGraph::add_triangle(std::uint32_t t, bool delaunay) {
   foreign_[t] = foreign;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::uint32_t o = option_on(t, i);
-    options_[o] = {t, v[(i + 2) % 3], twin(inner[(i + 2) % 3]), twin(inner[(i + 1) % 3]),
-                   edges_[inner[i]].first_option};
+    options_[o] = {v[(i + 2) % 3], twin(inner[(i + 2) % 3]), twin(inner[(i + 1) % 3]), edges_[inner[i]].first_option};
     edges_[inner[i]].first_option = o;
   }
 }

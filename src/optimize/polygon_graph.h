@@ -13,9 +13,8 @@ namespace hydrotin {
 
 inline constexpr std::uint32_t kNoEdge = static_cast<std::uint32_t>(-1);
 
-/// A triangle that can stand on the left of a directed edge.
+/// A triangle that can stand on the left of a directed edge. Which one its number tells: PolygonGraph::triangle_of.
 struct Option {
-  std::uint32_t triangle;  ///< number among Delaunay triangles, then others
   std::uint32_t apex;
   std::uint32_t left_child;   ///< directed edge origin -> apex; its left side is still to be triangulated
   std::uint32_t right_child;  ///< directed edge apex -> target
@@ -45,6 +44,8 @@ class PolygonGraph {
   [[nodiscard]] static std::uint32_t option_on(std::uint32_t t, std::size_t i) {
     return 3 * t + static_cast<std::uint32_t>(i);
   }
+  /// The triangle of an option, by number among Delaunay triangles, then others.
+  [[nodiscard]] static std::uint32_t triangle_of(std::uint32_t o) { return o / 3; }
   [[nodiscard]] const Option& option(std::uint32_t o) const { return options_[o]; }
   /// The smallest side of the polygon by (origin, target) in (x, y), with the polygon on its left only.
   [[nodiscard]] std::uint32_t root() const { return root_; }
@@ -68,10 +69,6 @@ class PolygonGraph {
   [[nodiscard]] const PolygonProblem& problem() const { return *problem_; }
 
  private:
-  struct Slot {
-    std::uint32_t low = 0, high = 0;  // ends
-    std::uint32_t edge = kNoEdge;     // from the smaller end to the larger one
-  };
   [[nodiscard]] std::size_t slot_of(std::uint32_t low, std::uint32_t high) const;
   void make_slots(std::size_t size);
   std::uint32_t find_or_add(std::uint32_t origin, std::uint32_t target);
@@ -84,7 +81,7 @@ class PolygonGraph {
   std::vector<PolygonEdge> edges_;
   std::vector<Option> options_;
   std::vector<std::uint8_t> foreign_;
-  std::vector<Slot> slot_;  // open addressing, in the order of the vertices by and large
+  std::vector<std::uint32_t> slot_;  // from smaller ends to larger ones, in the order of the vertices by and large
   std::uint32_t root_ = kNoEdge;
 };
 

@@ -9,11 +9,15 @@
 /// Dynamic programming over the directed edges of a polygon (T3.1), for a measure given as a `Rule`.
 ///
 /// A rule has
-///   Cell                     what is stored for a directed edge: the best ways to triangulate its left side
-///   Entry                    one such way: `option` (kNoEdge: none) and the `child_state` of both children
-///   empty(), boundary()      the cell of an edge before any option, and of one whose left side is outside
+///   Entry                    one way to triangulate the left side of an edge: `option` (kNoEdge: none) and the
+///                            `child_state` of both children
+///   Cells                    where the cells of directed edges are kept, each the best ways of one: clear(n) for about
+///                            n of them, add(rule, edge), which returns the place of a cell without any way,
+///                            add_end(rule) for the edges whose left side is outside, and at(place), which stands for
+///                            the cell below
 ///   improve(cell, o, l, r)   takes option o into account, whose children have the cells l and r
-///   best_state(cell)         the entry that the answer of the whole polygon starts from, or -1
+///   best_state(cell)         the entry of the root's cell that the answer of the whole polygon starts from, or -1
+///   entry(cell, edge, state)  an entry of a cell
 /// `Ways` says how the components inside are tied to the boundary, and with that which cells there are:
 ///   kMany                    more than one way: `improve` gets the way as its last argument, entries have a `way`
 ///   num_cells(), chord(e)    the cells, and that of an edge between places on the outer boundary
@@ -22,6 +26,32 @@
 ///   children(c, option, way)  the cells of both children then
 
 namespace hydrotin {
+
+/// Cells one by one, whatever they are made of: the rule has empty() and boundary() for those without any way and of
+/// ends.
+template <class Cell>
+class WholeCells {
+ public:
+  void clear(std::size_t about) {
+    cell_.clear();
+    cell_.reserve(about);
+  }
+  template <class Rule>
+  std::uint32_t add(const Rule& rule, std::uint32_t) {
+    cell_.push_back(rule.empty());
+    return static_cast<std::uint32_t>(cell_.size() - 1);
+  }
+  template <class Rule>
+  std::uint32_t add_end(const Rule& rule) {
+    cell_.push_back(rule.boundary());
+    return static_cast<std::uint32_t>(cell_.size() - 1);
+  }
+  [[nodiscard]] Cell& at(std::uint32_t place) { return cell_[place]; }
+  [[nodiscard]] const Cell& at(std::uint32_t place) const { return cell_[place]; }
+
+ private:
+  std::vector<Cell> cell_;
+};
 
 /// One way: `closed` edges count as boundary. Without components there is none.
 class OneWay {
@@ -56,9 +86,8 @@ class PolygonProgram {
   bool run(const Rule& rule, const PolygonGraph& graph, const Ways& ways, const std::vector<std::uint8_t>& blocked) {
     graph_ = &graph;
     place_.assign(ways.num_cells(), kOpen);
-    cell_.clear();
-    cell_.reserve(ways.num_cells() / 2 + 1);  // of an edge and its twin one is asked for
-    cell_.push_back(rule.boundary());
+    cells_.clear(ways.num_cells() / 2 + 1);  // of an edge and its twin one is asked for
+    end_ = cells_.add_end(rule);
     root_ = ways.chord(graph.root());
     stack_.assign(1, root_);
     while (!stack_.empty()) {
@@ -74,7 +103,7 @@ class PolygonProgram {
     return rule.best_state(root_cell()) >= 0;
   }
 
-  [[nodiscard]] const typename Rule::Cell& root_cell() const { return cell_[place_[root_]]; }
+  [[nodiscard]] decltype(auto) root_cell() const { return cells_.at(place_[root_]); }
 
   /// Calls visit(o, entry) for the options of the answer and their entries. `ways` are those of the run.
   template <class Ways, class Visit>
@@ -84,7 +113,7 @@ class PolygonProgram {
       const auto [c, state] = trail_.back();
       trail_.pop_back();
       if (ways.is_end(c)) continue;
-      const auto& entry = cell_[place_[c]][static_cast<std::size_t>(state)];
+      const auto& entry = rule.entry(cells_.at(place_[c]), ways.edge_of(c), state);
       const Option& option = graph_->option(entry.option);
       std::uint32_t way = 0;
       if constexpr (Ways::kMany) way = entry.way;
@@ -97,14 +126,13 @@ class PolygonProgram {
 
  private:
   static constexpr std::uint32_t kOpen = static_cast<std::uint32_t>(-1), kEntered = kOpen - 1;
-  static constexpr std::uint32_t kEnd = 0;  // all ends share a cell
 
   template <class Ways>
   void push_children(const Ways& ways, std::uint32_t c, const std::vector<std::uint8_t>& blocked) {
     const auto push = [&](std::uint32_t child) {
       if (place_[child] != kOpen) return;
       if (ways.is_end(child))
-        place_[child] = kEnd;
+        place_[child] = end_;
       else
         stack_.push_back(child);
     };
@@ -119,30 +147,33 @@ class PolygonProgram {
   void for_options(const Ways& ways, std::uint32_t c, const std::vector<std::uint8_t>& blocked, Visit visit) const {
     for (std::uint32_t o = graph_->edge(ways.edge_of(c)).first_option; o != kNoEdge; o = graph_->option(o).next) {
       const Option& option = graph_->option(o);
-      if (!blocked[option.triangle]) ways.for_ways(c, o, [&](std::uint32_t way) { visit(option, o, way); });
+      if (!blocked[PolygonGraph::triangle_of(o)])
+        ways.for_ways(c, o, [&](std::uint32_t way) { visit(option, o, way); });
     }
   }
 
   template <class Ways>
   void solve(const Rule& rule, const Ways& ways, std::uint32_t c, const std::vector<std::uint8_t>& blocked) {
-    typename Rule::Cell cell = rule.empty();
+    // Made in its place: what is put together elsewhere would be copied before its parts have arrived there.
+    const std::uint32_t place = cells_.add(rule, ways.edge_of(c));
+    auto&& cell = cells_.at(place);
     for_options(ways, c, blocked, [&](const Option& option, std::uint32_t o, std::uint32_t way) {
       const auto [left, right] = ways.children(c, option, way);
       // A child still being solved would close a cycle around a component that no tie reaches.
       if (place_[left] >= kEntered || place_[right] >= kEntered) return;
       if constexpr (Ways::kMany)
-        rule.improve(cell, o, cell_[place_[left]], cell_[place_[right]], way);
+        rule.improve(cell, o, cells_.at(place_[left]), cells_.at(place_[right]), way);
       else
-        rule.improve(cell, o, cell_[place_[left]], cell_[place_[right]]);
+        rule.improve(cell, o, cells_.at(place_[left]), cells_.at(place_[right]));
     });
-    place_[c] = static_cast<std::uint32_t>(cell_.size());
-    cell_.push_back(std::move(cell));
+    place_[c] = place;
   }
 
   const PolygonGraph* graph_ = nullptr;
   std::uint32_t root_ = 0;
-  std::vector<std::uint32_t> place_;  // [cells] in `cell_`, in the order in which they were solved
-  std::vector<typename Rule::Cell> cell_;
+  std::uint32_t end_ = 0;             // the place of the cell that all ends share
+  std::vector<std::uint32_t> place_;  // [cells] of those that are solved
+  typename Rule::Cells cells_;
   std::vector<std::uint32_t> stack_;
   std::vector<std::pair<std::uint32_t, int>> trail_;
 };

@@ -112,7 +112,7 @@ bool PolygonSearch::run_counted(const PolygonCosts& costs, std::span<const std::
       if (!program.run(rule, *graph_, ways, blocked)) return false;
       program.read_back(rule, ways, [&](std::uint32_t o, const auto& entry) {
         const Option& option = graph_->option(o);
-        out.answer.triangle.push_back(option.triangle);
+        out.answer.triangle.push_back(PolygonGraph::triangle_of(o));
         if (costs.minima_slot >= 0 && rule.counts_apex(o, entry)) count(option.apex);
       });
       for (const std::uint32_t v : rule.counted_ends(program.root_cell())) count(v);

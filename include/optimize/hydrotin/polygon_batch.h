@@ -97,6 +97,11 @@ class PolygonExtractor {
   const PolygonSource& source_;
   PolygonProblem problem_;
   std::vector<std::uint32_t> slot_;  // open addressing: local number + 1, or 0
+  struct Numbered {
+    VertexId vertex{};
+    std::uint32_t local = 0;
+  };
+  std::array<Numbered, 2> edge_before_{};  // the first two corners of the triangle before
   std::vector<VertexId> vertices_;
   std::vector<LatticePoint> position_;
   std::vector<std::int32_t> height_;

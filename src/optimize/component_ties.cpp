@@ -161,7 +161,7 @@ LatticeBox box_of(LatticePoint a, LatticePoint b) {
 
 // Last vertices of the components that do not hang on the outer boundary, in the order of the sweep; and the component
 // of each vertex.
-std::vector<std::uint32_t> component_ends(const PolygonProblem& problem, const PolygonGraph& graph, const Sweep& sweep,
+std::vector<std::uint32_t> component_ends(const PolygonProblem& problem, const Sweep& sweep,
                                           std::vector<std::uint32_t>& component) {
   const auto n = static_cast<std::uint32_t>(problem.position.size());
   std::vector<std::uint32_t> root(n);
@@ -170,8 +170,11 @@ std::vector<std::uint32_t> component_ends(const PolygonProblem& problem, const P
     while (root[v] != v) v = root[v] = root[root[v]];
     return v;
   };
-  for (std::uint32_t e = 0; e < graph.num_edges(); ++e)
-    if (graph.edge(e).is_boundary) root[find(graph.edge(e).origin)] = find(graph.edge(e).target);
+  for (const auto& [a, b] : problem.rim) root[find(a)] = find(b);
+  if (problem.rim.empty())
+    for (std::size_t t = 0; t < problem.delaunay.size(); ++t)
+      for (std::size_t i = 0; i < 3; ++i)
+        if (problem.fixed[t] >> i & 1U) root[find(problem.delaunay[t][i])] = find(problem.delaunay[t][(i + 1) % 3]);
   const auto by_sweep = [&](std::uint32_t a, std::uint32_t b) {
     return sweep.is_before(problem.position[a], problem.position[b]);
   };
@@ -303,7 +306,7 @@ std::uint64_t ComponentTies::num_ways(std::uint64_t most) const {
 ComponentTies find_component_ties(const PolygonProblem& problem, const PolygonGraph& graph) {
   ComponentTies out;
   const Sweep sweep(problem);
-  const std::vector<std::uint32_t> ends = component_ends(problem, graph, sweep, out.component);
+  const std::vector<std::uint32_t> ends = component_ends(problem, sweep, out.component);
   const TriangleIndex index(problem, graph, boxes_around(problem, graph, ends));
   const TieFinder finder(problem, graph, sweep, index, out.component);
   for (const std::uint32_t u : ends) {

@@ -37,7 +37,7 @@ class PolygonGraph {
  public:
   void build(const PolygonProblem& problem);
 
-  [[nodiscard]] std::uint32_t num_edges() const { return static_cast<std::uint32_t>(edges_.size()); }
+  [[nodiscard]] std::uint32_t num_edges() const { return num_edges_; }
   [[nodiscard]] const PolygonEdge& edge(std::uint32_t e) const { return edges_[e]; }
   [[nodiscard]] std::uint32_t num_options() const { return static_cast<std::uint32_t>(options_.size()); }
   /// The option of triangle t to stand on its side i.
@@ -73,12 +73,15 @@ class PolygonGraph {
   void make_slots(std::size_t size);
   std::uint32_t find_or_add(std::uint32_t origin, std::uint32_t target);
   void add(std::uint32_t origin, std::uint32_t target);
-  void add_triangle(std::uint32_t t, bool delaunay);
+  void stand(std::uint32_t t, const std::array<std::uint32_t, 3>& v, const std::array<std::uint32_t, 3>& side);
+  void add_delaunay(std::uint32_t t);
+  void add_other(std::uint32_t t, const std::array<std::uint32_t, 3>& v);
   template <class Visit>
-  void for_sides(Visit visit) const;
+  void for_sides(Visit visit);
 
   const PolygonProblem* problem_ = nullptr;
-  std::vector<PolygonEdge> edges_;
+  std::vector<PolygonEdge> edges_;  // the first `num_edges_`
+  std::uint32_t num_edges_ = 0;
   std::vector<Option> options_;
   std::vector<std::uint8_t> foreign_;
   std::vector<std::uint32_t> slot_;  // from smaller ends to larger ones, in the order of the vertices by and large

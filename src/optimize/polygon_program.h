@@ -23,7 +23,7 @@
 ///   num_cells(), chord(e)    the cells, and that of an edge between places on the outer boundary
 ///   edge_of(c), is_end(c)    the edge of a cell, and whether nothing is left to triangulate
 ///   for_ways(c, o, visit)    calls visit(way) for every way in which option o may stand on the edge of the cell
-///   children(c, option, way)  the cells of both children then
+///   children(c, o, way)      the cells of both children of option o then
 
 namespace hydrotin {
 
@@ -53,29 +53,32 @@ class WholeCells {
   std::vector<Cell> cell_;
 };
 
-/// One way: `closed` edges count as boundary. Without components there is none.
+/// One way: `closed` edges count as boundary, if any are given. Without components there are none.
 class OneWay {
  public:
   static constexpr bool kMany = false;
 
-  OneWay(const PolygonGraph& graph, const std::vector<std::uint8_t>& closed) : graph_(graph), closed_(closed) {}
+  explicit OneWay(const PolygonGraph& graph) : graph_(graph) {}
+  OneWay(const PolygonGraph& graph, const std::vector<std::uint8_t>& closed) : graph_(graph), closed_(&closed) {}
 
   [[nodiscard]] std::uint32_t num_cells() const { return graph_.num_edges(); }
   [[nodiscard]] static std::uint32_t chord(std::uint32_t e) { return e; }
   [[nodiscard]] static std::uint32_t edge_of(std::uint32_t c) { return c; }
-  [[nodiscard]] bool is_end(std::uint32_t c) const { return graph_.edge(c).is_boundary || closed_[c]; }
+  [[nodiscard]] bool is_end(std::uint32_t c) const {
+    return graph_.edge(c).is_boundary || (closed_ != nullptr && (*closed_)[c]);
+  }
   template <class Visit>
   void for_ways(std::uint32_t, std::uint32_t, Visit visit) const {
     visit(0U);
   }
-  [[nodiscard]] static std::pair<std::uint32_t, std::uint32_t> children(std::uint32_t, const Option& option,
-                                                                        std::uint32_t) {
+  [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> children(std::uint32_t, std::uint32_t o, std::uint32_t) const {
+    const Option& option = graph_.option(o);
     return {option.left_child, option.right_child};
   }
 
  private:
   const PolygonGraph& graph_;
-  const std::vector<std::uint8_t>& closed_;
+  const std::vector<std::uint8_t>* closed_ = nullptr;
 };
 
 template <class Rule>
@@ -108,19 +111,18 @@ class PolygonProgram {
   /// Calls visit(o, entry) for the options of the answer and their entries. `ways` are those of the run.
   template <class Ways, class Visit>
   void read_back(const Rule& rule, const Ways& ways, Visit visit) {
-    trail_.assign(1, {root_, rule.best_state(root_cell())});
+    trail_.clear();
+    if (!ways.is_end(root_)) trail_.push_back({root_, rule.best_state(root_cell())});
     while (!trail_.empty()) {
       const auto [c, state] = trail_.back();
       trail_.pop_back();
-      if (ways.is_end(c)) continue;
       const auto& entry = rule.entry(cells_.at(place_[c]), ways.edge_of(c), state);
-      const Option& option = graph_->option(entry.option);
       std::uint32_t way = 0;
       if constexpr (Ways::kMany) way = entry.way;
       visit(entry.option, entry);
-      const auto [left, right] = ways.children(c, option, way);
-      trail_.push_back({right, static_cast<int>(entry.child_state[1])});
-      trail_.push_back({left, static_cast<int>(entry.child_state[0])});
+      const auto [left, right] = ways.children(c, entry.option, way);
+      if (!ways.is_end(right)) trail_.push_back({right, static_cast<int>(entry.child_state[1])});
+      if (!ways.is_end(left)) trail_.push_back({left, static_cast<int>(entry.child_state[0])});
     }
   }
 
@@ -136,8 +138,8 @@ class PolygonProgram {
       else
         stack_.push_back(child);
     };
-    for_options(ways, c, blocked, [&](const Option& option, std::uint32_t, std::uint32_t way) {
-      const auto [left, right] = ways.children(c, option, way);
+    for_options(ways, c, blocked, [&](std::uint32_t o, std::uint32_t way) {
+      const auto [left, right] = ways.children(c, o, way);
       push(left);
       push(right);
     });
@@ -146,9 +148,7 @@ class PolygonProgram {
   template <class Ways, class Visit>
   void for_options(const Ways& ways, std::uint32_t c, const std::vector<std::uint8_t>& blocked, Visit visit) const {
     for (std::uint32_t o = graph_->edge(ways.edge_of(c)).first_option; o != kNoEdge; o = graph_->option(o).next) {
-      const Option& option = graph_->option(o);
-      if (!blocked[PolygonGraph::triangle_of(o)])
-        ways.for_ways(c, o, [&](std::uint32_t way) { visit(option, o, way); });
+      if (!blocked[PolygonGraph::triangle_of(o)]) ways.for_ways(c, o, [&](std::uint32_t way) { visit(o, way); });
     }
   }
 
@@ -157,8 +157,8 @@ class PolygonProgram {
     // Made in its place: what is put together elsewhere would be copied before its parts have arrived there.
     const std::uint32_t place = cells_.add(rule, ways.edge_of(c));
     auto&& cell = cells_.at(place);
-    for_options(ways, c, blocked, [&](const Option& option, std::uint32_t o, std::uint32_t way) {
-      const auto [left, right] = ways.children(c, option, way);
+    for_options(ways, c, blocked, [&](std::uint32_t o, std::uint32_t way) {
+      const auto [left, right] = ways.children(c, o, way);
       // A child still being solved would close a cycle around a component that no tie reaches.
       if (place_[left] >= kEntered || place_[right] >= kEntered) return;
       if constexpr (Ways::kMany)

@@ -77,7 +77,7 @@ struct SumRule {
 
   void improve(Entry* cell, std::uint32_t o, const Entry* left, const Entry* right, std::uint32_t way = 0) const {
     if constexpr (States == 1) {
-      offer(cell[0], o, left[0], right[0], 0, {0, 0}, way);
+      offer(cell[0], o, left[0], right[0], cost_of(o), {0, 0}, way);
     } else {
       improve_states(cell, o, left, right, way);
     }
@@ -161,27 +161,29 @@ struct SumRule {
     const Option& option = graph.option(o);
     const PolygonEdge& el = graph.edge(option.left_child);   // i -> q
     const PolygonEdge& er = graph.edge(option.right_child);  // q -> j
-    if ((el.wishes | er.wishes) == 0) return offer(cell[0], o, left[0], right[0], 0, {0, 0}, way);
+    const Value own = cost_of(o);
+    if ((el.wishes | er.wishes) == 0) return offer(cell[0], o, left[0], right[0], own, {0, 0}, way);
+    const bool q_wishes = el.wishes & PolygonEdge::kTargetWishes, q_served = q_wishes && serves_apex(option);
+    Value with_q = own;
+    if (q_wishes) with_q[slot()] -= kGain[wishes[option.apex]];
     const std::uint8_t asked = (el.wishes & PolygonEdge::kOriginWishes) | (er.wishes & PolygonEdge::kTargetWishes);
-    const bool inner_l = !el.is_boundary, inner_r = !er.is_boundary;
-    const bool i_served = inner_l && el.goes_down, j_served = inner_r && !er.goes_down;
-    const bool q_served = serves_apex(option);
-    const bool q_wishes = el.wishes & PolygonEdge::kTargetWishes;
-    const Scalar q_gain = q_wishes ? kGain[wishes[option.apex]] : Scalar{0};
-    for (unsigned state = 0; state < 4; ++state) {
-      if (state & ~unsigned{asked}) continue;
-      const unsigned need_i = (state & 1U) && !i_served, need_j = (state & 2U) && !j_served;
-      const auto offer_states = [&](unsigned q_left, unsigned q_right, Scalar served) {
+    const auto offer_states = [&](unsigned state, unsigned need_i, unsigned need_j) {
+      const auto offer_q = [&](unsigned q_left, unsigned q_right, const Value& value) {
         const unsigned sl = need_i | q_left << 1U, sr = q_right | need_j << 1U;
-        offer(cell[index_of(asked, state)], o, left[index_of(el.wishes, sl)], right[index_of(er.wishes, sr)], served,
+        offer(cell[index_of(asked, state)], o, left[index_of(el.wishes, sl)], right[index_of(er.wishes, sr)], value,
               {static_cast<std::uint8_t>(sl), static_cast<std::uint8_t>(sr)}, way);
       };
-      offer_states(0, 0, q_served ? q_gain : Scalar{0});
+      offer_q(0, 0, q_served ? with_q : own);
       if (q_wishes && !q_served) {
-        offer_states(1, 0, q_gain);
-        offer_states(0, 1, q_gain);
+        offer_q(1, 0, with_q);
+        offer_q(0, 1, with_q);
       }
-    }
+    };
+    offer_states(0, 0, 0);
+    if (asked == 0) return;
+    const bool i_served = !el.is_boundary && el.goes_down, j_served = !er.is_boundary && !er.goes_down;
+    for (unsigned state = 1; state < 4; ++state)
+      if ((state & ~unsigned{asked}) == 0) offer_states(state, (state & 1U) && !i_served, (state & 2U) && !j_served);
   }
 
   [[nodiscard]] bool is_better(const Value& value, std::uint32_t o, const Entry& entry) const {
@@ -195,19 +197,23 @@ struct SumRule {
     return entry.option != o && at(o) < at(entry.option);
   }
 
-  [[nodiscard]] Scalar cost(std::uint32_t triangle, std::size_t s) const {
-    if constexpr (kPacked) return graph.foreign_sides(triangle);
-    if (static_cast<int>(s) < costs.num_slots) return static_cast<Scalar>(costs.of(triangle, static_cast<int>(s)));
-    return 0;
+  [[nodiscard]] Value cost_of(std::uint32_t o) const {
+    const std::uint32_t t = PolygonGraph::triangle_of(o);
+    Value value{};
+    if constexpr (kPacked)
+      value[0] = graph.foreign_sides(t);
+    else
+      for (int s = 0; s < std::min(Slots, costs.num_slots); ++s)
+        value[static_cast<std::size_t>(s)] = static_cast<Scalar>(costs.of(t, s));
+    return value;
   }
 
-  void offer(Entry& entry, std::uint32_t o, const Entry& left, const Entry& right, Scalar served,
+  // A way with the given children, where the triangle and what it serves are worth `own`.
+  void offer(Entry& entry, std::uint32_t o, const Entry& left, const Entry& right, const Value& own,
              std::array<std::uint8_t, 2> child_state, std::uint32_t way) const {
     if (!left.possible() || !right.possible()) return;
     Value value;
-    for (std::size_t s = 0; s < Slots; ++s)
-      value[s] = left.value[s] + right.value[s] + cost(PolygonGraph::triangle_of(o), s);
-    if constexpr (States == 4) value[slot()] -= served;
+    for (std::size_t s = 0; s < Slots; ++s) value[s] = left.value[s] + right.value[s] + own[s];
     if (entry.possible() && !is_better(value, o, entry)) return;
     // One by one: a whole made on the stack would be copied before its parts have arrived there.
     entry.value = value;

@@ -79,11 +79,11 @@ bool TieWays::make_cells(std::uint64_t most_visits) {
   std::uint64_t num_cells = 0;
   first_cell_.resize(num_edges_);
   place_.clear();
+  num_cells += num_edges_;
+  if (num_cells > most_visits) return false;
   for (std::uint32_t e = 0; e < num_edges_; ++e) {
     const std::uint32_t a = graph_->edge(e).origin, b = graph_->edge(e).target;
-    first_cell_[e] = e;
-    ++num_cells;
-    if ((component_[a] & component_[b]) == kNoEdge) continue;
+    if (!is_tied(a, b)) continue;
     const std::uint32_t at_a = num_chains(a), at_b = num_chains(b);
     num_cells += std::uint64_t{at_a} * at_b - 1;
     if (num_cells > most_visits || num_edges_ + num_cells > std::numeric_limits<std::uint32_t>::max()) return false;
@@ -92,7 +92,7 @@ bool TieWays::make_cells(std::uint64_t most_visits) {
       for (std::uint32_t j = 0; j < at_b; ++j)
         place_.push_back({e, static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j)});
   }
-  return num_cells <= most_visits;
+  return true;
 }
 
 void TieWays::mark_cuts(const ComponentTies& ties) {

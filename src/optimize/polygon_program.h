@@ -22,8 +22,9 @@
 ///   kMany                    more than one way: `improve` gets the way as its last argument, entries have a `way`
 ///   num_cells(), chord(e)    the cells, and that of an edge between places on the outer boundary
 ///   edge_of(c), is_end(c)    the edge of a cell, and whether nothing is left to triangulate
-///   for_ways(c, o, visit)    calls visit(way) for every way in which option o may stand on the edge of the cell
-///   children(c, o, way)      the cells of both children of option o then
+///   for_ways(c, o, visit)    calls visit(way, left, right), with the cells of both children, for every way in which
+///                            option o may stand on the edge of the cell
+///   children(c, o, way)      these cells
 
 namespace hydrotin {
 
@@ -68,8 +69,9 @@ class OneWay {
     return graph_.edge(c).is_boundary || (closed_ != nullptr && (*closed_)[c]);
   }
   template <class Visit>
-  void for_ways(std::uint32_t, std::uint32_t, Visit visit) const {
-    visit(0U);
+  void for_ways(std::uint32_t, std::uint32_t o, Visit visit) const {
+    const Option& option = graph_.option(o);
+    visit(0U, option.left_child, option.right_child);
   }
   [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> children(std::uint32_t, std::uint32_t o, std::uint32_t) const {
     const Option& option = graph_.option(o);
@@ -138,8 +140,7 @@ class PolygonProgram {
       else
         stack_.push_back(child);
     };
-    for_options(ways, c, blocked, [&](std::uint32_t o, std::uint32_t way) {
-      const auto [left, right] = ways.children(c, o, way);
+    for_options(ways, c, blocked, [&](std::uint32_t, std::uint32_t, std::uint32_t left, std::uint32_t right) {
       push(left);
       push(right);
     });
@@ -148,7 +149,9 @@ class PolygonProgram {
   template <class Ways, class Visit>
   void for_options(const Ways& ways, std::uint32_t c, const std::vector<std::uint8_t>& blocked, Visit visit) const {
     for (std::uint32_t o = graph_->edge(ways.edge_of(c)).first_option; o != kNoEdge; o = graph_->option(o).next) {
-      if (!blocked[PolygonGraph::triangle_of(o)]) ways.for_ways(c, o, [&](std::uint32_t way) { visit(o, way); });
+      if (blocked[PolygonGraph::triangle_of(o)]) continue;
+      ways.for_ways(c, o,
+                    [&](std::uint32_t way, std::uint32_t left, std::uint32_t right) { visit(o, way, left, right); });
     }
   }
 
@@ -157,8 +160,7 @@ class PolygonProgram {
     // Made in its place: what is put together elsewhere would be copied before its parts have arrived there.
     const std::uint32_t place = cells_.add(rule, ways.edge_of(c));
     auto&& cell = cells_.at(place);
-    for_options(ways, c, blocked, [&](std::uint32_t o, std::uint32_t way) {
-      const auto [left, right] = ways.children(c, o, way);
+    for_options(ways, c, blocked, [&](std::uint32_t o, std::uint32_t way, std::uint32_t left, std::uint32_t right) {
       // A child still being solved would close a cycle around a component that no tie reaches.
       if (place_[left] >= kEntered || place_[right] >= kEntered) return;
       if constexpr (Ways::kMany)

@@ -52,8 +52,9 @@ class TieWays {
 
   template <class Visit>
   void for_ways(std::uint32_t c, std::uint32_t o, Visit visit) const {
-    if (!touches_[PolygonGraph::triangle_of(o)]) return visit(0U);
-    for_ways_at_components(c, o, visit);
+    const Option& option = graph_->option(o);
+    if (!touches_[PolygonGraph::triangle_of(o)]) return visit(0U, option.left_child, option.right_child);
+    for_ways_at_components(c, o, option, visit);
   }
 
  private:
@@ -68,13 +69,13 @@ class TieWays {
   };
 
   template <class Visit>
-  void for_ways_at_components(std::uint32_t c, std::uint32_t o, Visit visit) const {
+  void for_ways_at_components(std::uint32_t c, std::uint32_t o, const Option& option, Visit visit) const {
     const std::uint32_t t = PolygonGraph::triangle_of(o), side = o - PolygonGraph::option_on(t, 0);
     if (is_cut(t, side, at_origin(c)) || is_cut(t, (side + 1) % 3, at_target(c))) return;
-    const std::uint32_t count = num_chains(graph_->option(o).apex);
+    const std::uint32_t count = num_chains(option.apex);
     for (std::uint32_t way = 0; way < count; ++way) {
-      const auto [left, right] = children(c, o, way);
-      if (!is_unfit(left) && !is_unfit(right) && !is_cut(t, (side + 2) % 3, way)) visit(way);
+      const auto [left, right] = children_at_components(c, option, way);
+      if (!is_unfit(left) && !is_unfit(right) && !is_cut(t, (side + 2) % 3, way)) visit(way, left, right);
     }
   }
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -74,6 +75,26 @@ inline Sample sample_of(const std::vector<std::int32_t>& height,
   for (const std::uint32_t v : outlets) s.is_outlet[v] = 1;
   s.weight.assign(height.size(), 1);
   return s;
+}
+
+/// A terrain with its vertices numbered anew.
+struct Renumbered {
+  GridTerrain grid;
+  std::vector<std::uint8_t> is_outlet;
+  std::vector<std::uint32_t> number;  ///< of each vertex before
+};
+
+inline Renumbered renumber(const GridTerrain& grid, const std::vector<std::uint8_t>& is_outlet, std::uint64_t seed) {
+  Renumbered out{grid, is_outlet, std::vector<std::uint32_t>(grid.num_vertices())};
+  std::iota(out.number.begin(), out.number.end(), 0u);
+  shuffle(seed, out.number);
+  for (std::uint32_t v = 0; v < out.number.size(); ++v) {
+    out.grid.height[out.number[v]] = grid.height[v];
+    out.grid.position[out.number[v]] = grid.position[v];
+    out.is_outlet[out.number[v]] = is_outlet[v];
+  }
+  for (auto& v : out.grid.triangle) v = out.number[v];
+  return out;
 }
 
 inline std::int64_t cost_of(const Sample& s, const std::vector<std::int32_t>& x, ChangeMeasure measure) {

@@ -5,6 +5,8 @@ hydrotin_test(pit_hierarchy_test SOURCES pit_hierarchy_test.cpp DEPENDS terrain)
 hydrotin_test(outlets_test SOURCES outlets_test.cpp DEPENDS terrain)
 hydrotin_test(pit_edits_test SOURCES pit_edits_test.cpp DEPENDS terrain)
 hydrotin_test(pit_removal_test SOURCES pit_removal_test.cpp DEPENDS terrain)
+hydrotin_test(pit_removal_limits_test SOURCES pit_removal_limits_test.cpp DEPENDS terrain)
+hydrotin_test(group_cut_test SOURCES group_cut_test.cpp DEPENDS terrain)
 hydrotin_test(drainage_forest_test SOURCES drainage_forest_test.cpp DEPENDS terrain)
 hydrotin_test(rasterize_test SOURCES rasterize_test.cpp DEPENDS terrain)
 

@@ -1,162 +1,41 @@
-// Rivers through the whole pipeline: any tiling gives what the functions give on one terrain in memory, the files prove
-// that every river edge is valid, and what users open says what was done.
+// Rivers through the whole pipeline: any tiling gives what the functions give on one terrain in memory.
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <set>
 
-#include "expected_error.h"
-#include "hdf5_attributes.h"
-#include "hydrotin/error.h"
-#include "hydrotin/las.h"
 #include "hydrotin/lifting.h"
 #include "hydrotin/river_burning.h"
 #include "hydrotin/river_embedding.h"
 #include "hydrotin/river_lakes.h"
 #include "hydrotin/river_matching.h"
 #include "hydrotin/river_statistics.h"
-#include "hydrotin/vector.h"
 #include "hydrotin/wingtip_clearing.h"
 #include "monolith.h"
 #include "plan.h"
 #include "river_edges.h"
-#include "shared_data.h"
-#include "store.h"
+#include "river_scenes.h"
 #include "tiling_fixture.h"
 
 namespace hydrotin {
 namespace {
 
+using testing::Chain;
+using testing::edges_of;
+using testing::expect_checked;
+using testing::kEverything;
+using testing::make_ridges;
+using testing::make_scene;
+using testing::make_void;
+using testing::options_of;
+using testing::preserve_some;
+using testing::RiverScene;
 using testing::run;
 using testing::TemporaryFolder;
-
-constexpr std::uint64_t kEverything = 1'000'000'000;
-using Chain = std::vector<LatticePoint>;
-
-/// Hills with lines drawn across them, whatever these do to the relief.
-struct Scene {
-  std::vector<LatticePoint> position;
-  std::vector<std::int32_t> height;
-  std::vector<std::string> files;
-  std::vector<Chain> line, lake;  // as the files of points count
-  std::vector<Chain> preserved;
-  std::string rivers, lakes, preserved_file;
-};
-
-VectorPoint in_crs(LatticePoint p) {
-  return {500000 + p.x * 0.01, 4000000 + p.y * 0.01, 0};
-}
-
-void write_lines(Scene& scene, const TemporaryFolder& folder, const std::string& stem) {
-  scene.rivers = folder / (stem + "rivers.gpkg");
-  GeoPackageWriter out(scene.rivers, "EPSG:32633");
-  const std::vector<VectorField> fields{{"name", FieldType::text}};
-  const int layer = out.add_layer("rivers", VectorGeometry::line, false, fields);
-  for (std::size_t i = 0; i < scene.line.size(); ++i) {
-    std::vector<VectorPoint> points;
-    for (const LatticePoint p : scene.line[i]) points.push_back(in_crs(p));
-    out.add_line(layer, points, std::vector<FieldValue>{std::string(i < 2 ? "stem" : "")});
-  }
-  out.finish();
-  if (scene.lake.empty()) return;
-  scene.lakes = folder / (stem + "lakes.gpkg");
-  GeoPackageWriter lakes(scene.lakes, "EPSG:32633");
-  const int polygons = lakes.add_layer("lakes", VectorGeometry::polygon, false, {});
-  for (const Chain& ring : scene.lake) {
-    std::vector<VectorPoint> points;
-    for (const LatticePoint p : ring) points.push_back(in_crs(p));
-    lakes.add_polygon(polygons, points, {});
-  }
-  lakes.finish();
-}
-
-/// A stem with a tributary, rivers that end inside, rivers so near to each other that they have to be solved together,
-/// a line that runs out of the terrain, and lakes.
-Scene make_scene(const TemporaryFolder& folder, std::uint64_t seed, std::size_t n, bool with_lakes) {
-  Scene s;
-  s.position = testing::distinct(testing::make_cloud(testing::CloudKind::uniform, seed, n, 100));
-  for (const LatticePoint p : s.position) s.height.push_back(testing::relief_at(seed, p, 3000, 4000, 5));
-  const std::string stem = "scene" + std::to_string(seed) + (with_lakes ? "l" : "") + "_";
-  s.files = testing::write_files(folder, s.position, s.height, 2, stem);
-  const std::int32_t size = testing::extent_for(n, 100);
-  const auto at = [&](double x, double y) {
-    return LatticePoint{static_cast<std::int32_t>(x * size), static_cast<std::int32_t>(y * size)};
-  };
-  const LatticePoint node = at(0.52, 0.55);
-  s.line = {{at(0.08, 0.3), at(0.2, 0.42), at(0.33, 0.37), at(0.45, 0.5), node},
-            {node, at(0.61, 0.57), at(0.72, 0.47), at(0.9, 0.5), at(1.1, 0.52)},
-            {at(0.5, 0.93), at(0.55, 0.8), at(0.48, 0.7), node},
-            {at(0.15, 0.8), at(0.22, 0.72), at(0.3, 0.74)}};
-  // Around a corner, from edge to edge.
-  for (int i = 0; i < 3; ++i)
-    s.line.push_back({at(0.6 + 0.09 * i, -0.05), at(0.78 + 0.06 * i, 0.22 - 0.06 * i), at(1.05, 0.36 - 0.09 * i)});
-  if (with_lakes) {
-    s.lake.push_back({at(0.42, 0.46), at(0.49, 0.47), at(0.48, 0.54), at(0.42, 0.53)});
-    s.lake.push_back({at(0.3, 0.72), at(0.34, 0.72), at(0.33, 0.77), at(0.29, 0.77)});
-  }
-  write_lines(s, folder, stem);
-  return s;
-}
-
-/// Rivers on parallel ridges that fall to the south, each into a lake of its own: each has to be cut in, and the slopes
-/// between them pass that on.
-Scene make_ridges(const TemporaryFolder& folder, std::uint64_t seed, std::size_t n) {
-  Scene s;
-  s.position = testing::distinct(testing::make_cloud(testing::CloudKind::uniform, seed, n, 100));
-  const double size = testing::extent_for(n, 100), width = 0.12 * size;
-  for (const LatticePoint p : s.position)
-    s.height.push_back(
-        static_cast<std::int32_t>(std::lround(p.y / 4.0 + 500 * std::cos(6.283185307179586 * p.x / width))));
-  s.files = testing::write_files(folder, s.position, s.height, 2, "ridges_");
-  for (int i = 1; i < 8; ++i) {
-    const auto x = static_cast<std::int32_t>(i * width);
-    const auto north = static_cast<std::int32_t>(0.85 * size), south = static_cast<std::int32_t>(0.15 * size);
-    s.line.push_back({{x, north}, {x, south}});
-    s.lake.push_back({{x - 150, south - 150}, {x + 150, south - 150}, {x + 150, south + 150}, {x - 150, south + 150}});
-  }
-  write_lines(s, folder, "ridges_");
-  return s;
-}
-
-/// Rivers from all sides into a void in the middle.
-Scene make_void(const TemporaryFolder& folder, std::uint64_t seed, std::size_t n) {
-  Scene s;
-  const double size = testing::extent_for(n, 100), middle = size / 2;
-  for (const LatticePoint p : testing::distinct(testing::make_cloud(testing::CloudKind::uniform, seed, n, 100)))
-    if (std::hypot(p.x - middle, p.y - middle) > 0.06 * size) s.position.push_back(p);
-  for (const LatticePoint p : s.position)
-    s.height.push_back(testing::relief_at(seed, p, 3000, 400, 5) +
-                       static_cast<std::int32_t>(std::hypot(p.x - middle, p.y - middle)));
-  const std::string stem = "void" + std::to_string(seed) + "_";
-  s.files = testing::write_files(folder, s.position, s.height, 2, stem);
-  for (int i = 0; i < 12; ++i) {
-    const double angle = 0.5235987755982988 * i, x = std::cos(angle), y = std::sin(angle);
-    const auto at = [&](double r) {
-      return LatticePoint{static_cast<std::int32_t>(middle + r * size * x),
-                          static_cast<std::int32_t>(middle + r * size * y)};
-    };
-    s.line.push_back({at(0.4), at(0.25), at(i % 2 == 0 ? 0.06 : 0.03)});
-  }
-  write_lines(s, folder, stem);
-  return s;
-}
-
-PipelineOptions options_of(const Scene& scene, const std::string& out, std::uint64_t target) {
-  PipelineOptions options = testing::options_for(scene.files, out);
-  options.tiles.target_points = target;
-  options.triangulation.order = 1;
-  options.rivers.lines = scene.rivers;
-  options.rivers.lakes = scene.lakes;
-  options.rivers.preserve_edges = scene.preserved_file;
-  options.rivers.name_field = "name";
-  options.pits.method = PitMethod::lift;  // what the whole in memory does
-  return options;
-}
+using testing::terrain_of;
+using testing::write_lines;
 
 struct Expected {
   std::string fingerprint;
@@ -164,62 +43,8 @@ struct Expected {
   std::uint64_t wrong_flow = 0, not_valley = 0, flat = 0, leaks = 0, beyond = 0;  // in the end
 };
 
-/// The terrain without its rivers.
-LatticeTerrain terrain_of(const Scene& scene, const PipelineOptions& options, const Lattice& lattice) {
-  const auto place = [&](LatticePoint p) {
-    return LatticePoint{static_cast<std::int32_t>(p.x - lattice.base_x),
-                        static_cast<std::int32_t>(p.y - lattice.base_y)};
-  };
-  LatticeTerrain given;
-  std::vector<std::int32_t> measured;
-  for (const auto& [p, z] : testing::lowest_points(scene.position, scene.height)) {
-    given.position.push_back(place(p));
-    measured.push_back(static_cast<std::int32_t>(z - lattice.base_z));
-    given.height.push_back(measured.back());
-  }
-  const auto tin = triangulate(given.position, measured,
-                               PointSetOptions{.order = options.triangulation.order,
-                                               .polygon = {.objectives = options.triangulation.objectives}},
-                               {});
-  for (const auto& t : tin.triangles) given.triangle.insert(given.triangle.end(), t.begin(), t.end());
-  link_twins(given);
-  return given;
-}
-
-/// The edges of some triangles among vertices, the smaller vertex first.
-std::set<std::pair<std::uint32_t, std::uint32_t>> edges_of(const LatticeTerrain& terrain) {
-  std::set<std::pair<std::uint32_t, std::uint32_t>> out;
-  for (std::uint32_t h = 0; h < terrain.triangle.size(); ++h)
-    out.insert(std::minmax(terrain.origin(h), terrain.target(h)));
-  return out;
-}
-
-/// Every so many edges of the terrain, as lines of a file.
-void preserve_some(Scene& scene, const TemporaryFolder& folder, const PipelineOptions& options, std::size_t step) {
-  const Lattice lattice = make_plan(options).lattice;
-  const LatticeTerrain terrain = terrain_of(scene, options, lattice);
-  scene.preserved_file = folder / "preserved.gpkg";
-  GeoPackageWriter out(scene.preserved_file, "EPSG:32633");
-  const int layer = out.add_layer("edges", VectorGeometry::line, false, {});
-  std::size_t i = 0;
-  for (const auto& [a, b] : edges_of(terrain)) {
-    if (++i % step != 0) continue;
-    Chain line;
-    std::vector<VectorPoint> points;
-    for (const std::uint32_t v : {a, b}) {
-      const LatticePoint p = terrain.position[v];
-      line.push_back(
-          {static_cast<std::int32_t>(p.x + lattice.base_x), static_cast<std::int32_t>(p.y + lattice.base_y)});
-      points.push_back(in_crs(line.back()));
-    }
-    out.add_line(layer, points, {});
-    scene.preserved.push_back(line);
-  }
-  out.finish();
-}
-
 /// The same in memory, in one go.
-Expected expected_of(const Scene& scene, const PipelineOptions& options) {
+Expected expected_of(const RiverScene& scene, const PipelineOptions& options) {
   const Lattice lattice = make_plan(options).lattice;
   const auto place = [&](LatticePoint p) {
     return LatticePoint{static_cast<std::int32_t>(p.x - lattice.base_x),
@@ -352,15 +177,7 @@ Expected expected_of(const Scene& scene, const PipelineOptions& options) {
   return out;
 }
 
-void expect_checked(const std::string& dir, std::uint64_t river_edges, std::uint64_t invalid = 0) {
-  const DatasetSummary checked = check_dataset(dir, 1000);
-  EXPECT_TRUE(checked.ok) << (checked.problems.empty() ? "" : checked.problems.front());
-  EXPECT_EQ(checked.pits, 0U);
-  EXPECT_EQ(checked.river_edges, river_edges);
-  EXPECT_EQ(checked.invalid_river_edges, invalid);
-}
-
-void expect_same(const Scene& scene, const PipelineOptions& base, const TemporaryFolder& folder,
+void expect_same(const RiverScene& scene, const PipelineOptions& base, const TemporaryFolder& folder,
                  const std::string& name, const std::vector<std::uint64_t>& targets) {
   const Expected expected = expected_of(scene, base);
   EXPECT_GT(expected.rivers, 10U);
@@ -396,7 +213,7 @@ void expect_same(const Scene& scene, const PipelineOptions& base, const Temporar
 TEST(TiledRivers, EveryTilingEqualsTheWhole) {
   const TemporaryFolder folder;
   for (const bool with_lakes : {false, true}) {
-    const Scene scene = make_scene(folder, 5, 8'000, with_lakes);
+    const RiverScene scene = make_scene(folder, 5, 8'000, with_lakes);
     for (const bool insert : {false, true}) {
       PipelineOptions options = options_of(scene, folder / "plan", kEverything);
       options.rivers.matching.insert = insert;
@@ -409,7 +226,7 @@ TEST(TiledRivers, EveryTilingEqualsTheWhole) {
 
 TEST(TiledRivers, NetworksThatComeNearEachOtherAreSolvedAsOne) {
   const TemporaryFolder folder;
-  const Scene scene = make_ridges(folder, 4, 6'000);
+  const RiverScene scene = make_ridges(folder, 4, 6'000);
   expect_same(scene, options_of(scene, folder / "plan", kEverything), folder, "ridges", {kEverything, 1'200});
   const auto rivers = nlohmann::json::parse(testing::bytes_of(folder / "ridges1/report.json")).at("rivers");
   EXPECT_GT(rivers.at("groups"), 1);
@@ -418,7 +235,7 @@ TEST(TiledRivers, NetworksThatComeNearEachOtherAreSolvedAsOne) {
 
 TEST(TiledRivers, VariantsEqualTheWhole) {
   const TemporaryFolder folder;
-  const Scene scene = make_scene(folder, 7, 3'000, false);
+  const RiverScene scene = make_scene(folder, 7, 3'000, false);
   const auto with = [&](const std::string& name, auto change) {
     PipelineOptions options = options_of(scene, folder / "plan", kEverything);
     change(options.rivers);
@@ -439,7 +256,7 @@ TEST(TiledRivers, VariantsEqualTheWhole) {
 
 TEST(TiledRivers, MethodsEqualTheWhole) {
   const TemporaryFolder folder;
-  Scene scene = make_scene(folder, 13, 2'000, false);
+  RiverScene scene = make_scene(folder, 13, 2'000, false);
   scene.line.resize(4);
   write_lines(scene, folder, "merging_");
   const auto with = [&](const std::string& name, auto change) {
@@ -457,7 +274,7 @@ TEST(TiledRivers, MethodsEqualTheWhole) {
   EXPECT_EQ(dp.at("method"), "dp");
   // At once out of time: each group by itself keeps flow and valleys, whatever the tiling.
   std::string fingerprint;
-  const Scene lakes = make_scene(folder, 13, 2'000, true);
+  const RiverScene lakes = make_scene(folder, 13, 2'000, true);
   for (const std::uint64_t target : {kEverything, std::uint64_t{1'000}}) {
     PipelineOptions options = options_of(lakes, folder / ("lakes" + std::to_string(target)), target);
     options.rivers.time_limit = 1e-9;
@@ -498,7 +315,7 @@ TEST(TiledRivers, MethodsEqualTheWhole) {
 
 TEST(TiledRivers, LeastChangeKeepsRivers) {
   const TemporaryFolder folder;
-  const Scene scene = make_scene(folder, 9, 6'000, true);
+  const RiverScene scene = make_scene(folder, 9, 6'000, true);
   const Expected expected = expected_of(scene, options_of(scene, folder / "plan", kEverything));
   for (const PitMethod method : {PitMethod::least_change, PitMethod::breach, PitMethod::none}) {
     std::string fingerprint;
@@ -528,7 +345,7 @@ TEST(TiledRivers, RiversMayEndAtVoids) {
   std::uint64_t edges = 0;
   for (std::uint64_t seed = 20; seed < 24; ++seed) {
     SCOPED_TRACE(seed);
-    const Scene scene = make_void(folder, seed, 3'000);
+    const RiverScene scene = make_void(folder, seed, 3'000);
     std::string fingerprint;
     for (const std::uint64_t target : {kEverything, std::uint64_t{1'000}}) {
       PipelineOptions options =
@@ -552,7 +369,7 @@ TEST(TiledRivers, RiversMayEndAtVoids) {
 
 TEST(TiledRivers, JobArraysGiveTheSame) {
   const TemporaryFolder folder;
-  const Scene scene = make_scene(folder, 11, 5'000, true);
+  const RiverScene scene = make_scene(folder, 11, 5'000, true);
   PipelineOptions whole = options_of(scene, folder / "whole", kEverything), options = whole;
   whole.pits.method = options.pits.method = PitMethod::least_change;
   options.output.dir = folder / "array";
@@ -569,230 +386,6 @@ TEST(TiledRivers, JobArraysGiveTheSame) {
     ASSERT_TRUE(std::filesystem::remove(folder / ("array/" + lost))) << lost;
   EXPECT_EQ(run(options).fingerprint, expected);
   EXPECT_TRUE(check_dataset(options.output.dir, 1000).ok);
-}
-
-TEST(TiledRivers, ReportAndLayersSayWhatWasDone) {
-  const TemporaryFolder folder;
-  const Scene scene = make_scene(folder, 5, 6'000, true);
-  PipelineOptions options = options_of(scene, folder / "out", 1'500);
-  options.rivers.points_out = PointsFile::las;
-  const DatasetSummary summary = run(options);
-  const auto report = nlohmann::json::parse(testing::bytes_of(folder / "out/report.json"));
-  const auto& rivers = report.at("rivers");
-  EXPECT_EQ(rivers.at("river_edges"), summary.river_edges);
-  EXPECT_EQ(rivers.at("invalid_river_edges"), 0);
-  EXPECT_EQ(rivers.at("lines").at("lines"), scene.line.size());
-  EXPECT_EQ(rivers.at("lakes"), 2);
-  EXPECT_GT(rivers.at("all").at("wrong_flow_before"), 0);
-  EXPECT_EQ(rivers.at("all").at("wrong_flow_after"), 0);
-  EXPECT_EQ(rivers.at("all").at("not_valley_after"), 0);
-  std::uint64_t edges = 0;
-  std::string profile;
-  for (std::size_t i = 0; i < rivers.at("rivers").size(); ++i) {
-    const auto& river = rivers.at("rivers").at(i);
-    edges += river.at("edges").get<std::uint64_t>();
-    if (river.at("name") == "stem")
-      profile = testing::bytes_of(folder / ("out/profiles/0" + std::to_string(i + 1) + "-stem.svg"));
-  }
-  EXPECT_EQ(edges, summary.river_edges);
-  // A lake that no river reaches is of no river.
-  EXPECT_GE(rivers.at("objective").get<double>(), rivers.at("all").at("total_change").get<double>() - 1e-6);
-  // The bound is that of rows with margins; heights are then rounded to centimetres.
-  EXPECT_LE(rivers.at("bound").get<double>(),
-            rivers.at("objective").get<double>() + 0.005 * rivers.at("vertices_moved").get<double>());
-  EXPECT_NE(profile.find("<polyline"), std::string::npos);
-  EXPECT_NE(profile.find(">stem</text>"), std::string::npos);
-  // River vertices as points: their heights in the files.
-  std::map<LatticePoint, std::int32_t> height;
-  const Lattice lattice = make_plan(options).lattice;
-  for (const auto& entry : std::filesystem::directory_iterator(folder / "out/terrain")) {
-    if (!entry.path().filename().string().starts_with("tile_")) continue;
-    const store::Reader in(entry.path().string());
-    const auto x = in.read<std::int32_t>("x"), y = in.read<std::int32_t>("y"), z = in.read<std::int32_t>("height");
-    const auto xyz = in.read<std::int32_t>("foreign_xyz"), h = in.read<std::int32_t>("foreign_height");
-    for (const std::uint32_t v : in.read<std::uint32_t>("river_edge"))
-      if (v < x.size())
-        height[{x[v], y[v]}] = z[v];
-      else
-        height[{xyz[3 * (v - x.size())], xyz[3 * (v - x.size()) + 1]}] = h[v - x.size()];
-  }
-  const LasFile points(folder / "out/river_vertices.las");
-  EXPECT_EQ(points.header().point_count, height.size());
-  EXPECT_EQ(points.header().scale[2], lattice.scale_z);
-  std::size_t same = 0;
-  for (std::size_t chunk = 0; chunk < points.num_chunks(); ++chunk) {
-    PointBatch batch;
-    points.decode(chunk, batch);
-    for (std::size_t i = 0; i < batch.size(); ++i) {
-      const auto at = [&](std::int32_t value, std::size_t axis, double offset, std::int64_t base) {
-        const double c = value * points.header().scale[axis] + points.header().offset[axis];
-        return static_cast<std::int32_t>(
-            std::llround((c - offset) / points.header().scale[axis] - static_cast<double>(base)));
-      };
-      const auto found = height.find(
-          {at(batch.x[i], 0, lattice.offset_x, lattice.base_x), at(batch.y[i], 1, lattice.offset_y, lattice.base_y)});
-      same += found != height.end() && found->second == at(batch.z[i], 2, lattice.offset_z, lattice.base_z) ? 1 : 0;
-    }
-  }
-  EXPECT_EQ(same, height.size());
-  options.rivers.points_out = PointsFile::gpkg;
-  EXPECT_TRUE(run(options).ok);
-  EXPECT_FALSE(std::filesystem::exists(folder / "out/river_vertices.las"));
-  EXPECT_TRUE(std::filesystem::exists(folder / "out/river_vertices.gpkg"));
-  // Without rivers nothing of them is left.
-  PipelineOptions without = options;
-  without.rivers = {};
-  EXPECT_EQ(run(without).river_edges, 0U);
-  EXPECT_FALSE(std::filesystem::exists(folder / "out/terrain/rivers.h5"));
-  EXPECT_FALSE(std::filesystem::exists(folder / "out/profiles"));
-  EXPECT_FALSE(std::filesystem::exists(folder / "out/river_vertices.gpkg"));
-  EXPECT_TRUE(check_dataset(folder / "out", 1000).ok);
-}
-
-bool mentions(const DatasetSummary& checked, const std::string& text) {
-  return std::any_of(checked.problems.begin(), checked.problems.end(),
-                     [&](const std::string& problem) { return problem.find(text) != std::string::npos; });
-}
-
-TEST(TiledRivers, CheckFindsWhatIsWrong) {
-  const TemporaryFolder folder;
-  const Scene scene = make_scene(folder, 5, 4'000, true);
-  const PipelineOptions options = options_of(scene, folder / "out", 1'000);
-  const DatasetSummary summary = run(options);
-  ASSERT_TRUE(check_dataset(folder / "out", 10).ok);
-  const auto damaged = [&](const std::string& name, auto damage) {
-    const std::string copy = folder / name;
-    std::filesystem::copy(folder / "out", copy, std::filesystem::copy_options::recursive);
-    damage(copy + "/terrain/");
-    return copy;
-  };
-  // The lower end of a river edge that one file holds rises above the upper one.
-  const std::string higher = damaged("higher", [&](const std::string& terrain) {
-    for (int t = 0; t < 4; ++t) {
-      const std::string path = terrain + "tile_00000" + std::to_string(t) + ".h5";
-      std::optional<std::pair<std::uint32_t, std::int32_t>> change;
-      {
-        const store::Reader in(path);
-        const auto edge = in.read<std::uint32_t>("river_edge");
-        const auto height = in.read<std::int32_t>("height");
-        for (std::size_t i = 0; i + 1 < edge.size() && !change; i += 2)
-          if (edge[i] < height.size() && edge[i + 1] < height.size()) change = {edge[i + 1], height[edge[i]] + 1};
-      }
-      if (!change) continue;
-      testing::set_entry(path, "height", change->first, change->second);
-      return;
-    }
-  });
-  DatasetSummary checked = check_dataset(higher, 10);
-  EXPECT_FALSE(checked.ok);
-  EXPECT_GT(checked.invalid_river_edges, 0U);
-  EXPECT_TRUE(mentions(checked, "is invalid, though nothing speaks against it"));
-  EXPECT_TRUE(mentions(checked, "river edges, 0 of them invalid, but there are"));
-
-  checked = check_dataset(damaged("fewer",
-                                  [&](const std::string& terrain) {
-                                    testing::set_attribute(terrain + "index.h5", "river_edges",
-                                                           static_cast<std::int64_t>(summary.river_edges - 1));
-                                  }),
-                          10);
-  EXPECT_TRUE(mentions(checked, "it states " + std::to_string(summary.river_edges - 1) + " river edges"));
-
-  ASSERT_GT(store::Reader(folder / "out/terrain/rivers.h5").size("new_xyz"), 0U) << "the scene needs a Steiner point";
-  checked = check_dataset(
-      damaged("moved",
-              [&](const std::string& terrain) { testing::set_entry(terrain + "rivers.h5", "new_xyz", 2, -7); }),
-      10);
-  EXPECT_TRUE(mentions(checked, "the new vertex at"));
-
-  const std::string lost =
-      damaged("lost", [&](const std::string& terrain) { std::filesystem::remove(terrain + "rivers.h5"); });
-  EXPECT_NE(testing::error_of([&] { (void)check_dataset(lost, 10); }, ErrorKind::storage).find("rivers.h5"),
-            std::string::npos);
-}
-
-TEST(TiledRivers, LinesDrawnUpstreamOnARealDem) {
-  HYDROTIN_REQUIRE_SHARED_DATA();
-  const TemporaryFolder folder;
-  PipelineOptions options = testing::options_for({}, folder / "out");
-  options.input.dem = {testing::shared_path("dem_rivers_logan/output[0-3].tif")};
-  options.rivers.lines = testing::shared_path("dem_rivers_logan/logannet.shp");
-  options.tiles.target_points = 20'000;
-  const DatasetSummary got = run(options);
-  EXPECT_TRUE(got.ok);
-  EXPECT_EQ(got.pits, 0U);
-  EXPECT_EQ(got.river_edges, 2'838U);
-  EXPECT_EQ(got.invalid_river_edges, 0U);
-  const auto rivers = nlohmann::json::parse(testing::bytes_of(folder / "out/report.json")).at("rivers");
-  EXPECT_EQ(rivers.at("lines").at("lines_turned"), 152);
-  EXPECT_EQ(rivers.at("all").at("wrong_flow_before"), 522);
-  EXPECT_EQ(rivers.at("all").at("not_valley_after"), 0);
-  EXPECT_EQ(rivers.at("optimal"), true);
-}
-
-TEST(TiledRivers, MemoryIsAskedForBeforeTheLongWork) {
-  HYDROTIN_REQUIRE_SHARED_DATA();
-  const TemporaryFolder folder;
-  PipelineOptions options = testing::options_for({}, folder / "out");
-  options.input.dem = {testing::shared_path("dem_rivers_nc/elev_ned_30m.tif")};
-  options.rivers.lines = testing::shared_path("dem_rivers_nc/streams.shp");
-  options.tiles.target_points = 30'000;
-  options.run.memory_bytes = std::uint64_t{64} << 20;
-  // 24,005 river edges on 371,000 triangles in the end.
-  const PlanSummary plan = plan_run(options);
-  EXPECT_NEAR(static_cast<double>(plan.river_edges), 24'005, 2'500);
-  EXPECT_NEAR(static_cast<double>(plan.river_bytes), 371'000 * 400.0, 371'000 * 80.0);
-  EXPECT_GE(plan.memory_bytes, plan.river_bytes);
-  const std::string text = testing::error_of([&] { (void)run(options); }, ErrorKind::resource);
-  EXPECT_NE(text.find("streams.shp: about 24"), std::string::npos) << text;
-  EXPECT_NE(text.find("bytes an edge), but run.memory is 64 MiB"), std::string::npos) << text;
-  EXPECT_FALSE(std::filesystem::exists(folder / "out/work/triangulate"));
-  testing::Silent silent;
-  EXPECT_NE(
-      testing::error_of([&] { run_phase(options, Phase::outline, 0, 1, silent); }, ErrorKind::resource).find("24"),
-      std::string::npos);
-  options.rivers = {};
-  EXPECT_EQ(plan_run(options).river_bytes, 0U);
-}
-
-TEST(TiledRivers, BadInputsAreNamed) {
-  const TemporaryFolder folder;
-  Scene scene = make_scene(folder, 3, 2'000, false);
-  PipelineOptions options = options_of(scene, folder / "out", 1'000);
-  options.rivers.lines = folder / "absent.gpkg";
-  EXPECT_NE(testing::error_of([&] { (void)run(options); }, ErrorKind::input).find("absent.gpkg"), std::string::npos);
-  scene.line = {{{-900'000, -900'000}, {-890'000, -900'000}}};
-  write_lines(scene, folder, "far_");
-  options = options_of(scene, folder / "out", 1'000);
-  EXPECT_NE(
-      testing::error_of([&] { (void)run(options); }, ErrorKind::input).find("no line runs along or across an edge"),
-      std::string::npos);
-  Scene edges = make_scene(folder, 3, 2'000, false);
-  preserve_some(edges, folder, options_of(edges, folder / "plan", kEverything), 3'000);
-  options = options_of(edges, folder / "out", 1'000);
-  options.rivers.matching.direction = LineDirection::digitised;
-  options.triangulation.order = 2;  // another terrain, maybe without that edge; and a line that is no edge of either
-  {
-    GeoPackageWriter out(folder / "preserved.gpkg", "EPSG:32633");
-    const int layer = out.add_layer("edges", VectorGeometry::line, false, {});
-    out.add_line(layer, std::vector<VectorPoint>{in_crs(edges.position.front()), in_crs(edges.position.back())}, {});
-    out.finish();
-  }
-  EXPECT_NE(testing::error_of([&] { (void)run(options); }, ErrorKind::input).find("runs no edge of the terrain"),
-            std::string::npos);
-  options.rivers.preserve_edges = options.rivers.lines;  // leaves the terrain
-  EXPECT_NE(testing::error_of([&] { (void)run(options); }, ErrorKind::input).find("is outside the terrain"),
-            std::string::npos);
-  options = options_of(edges, folder / "out", 1'000);
-  options.rivers.preserve_edges.clear();
-  options.rivers.method = RiverMethod::dp;  // its network parts
-  EXPECT_NE(testing::error_of([&] { (void)run(options); }, ErrorKind::input).find("which rivers.method: dp cannot"),
-            std::string::npos);
-  Scene lakes = make_scene(folder, 3, 2'000, true);
-  lakes.lake.push_back(lakes.lake[0]);
-  write_lines(lakes, folder, "twice_");
-  options = options_of(lakes, folder / "out", 1'000);
-  EXPECT_NE(testing::error_of([&] { (void)run(options); }, ErrorKind::input).find("lakes must not overlap"),
-            std::string::npos);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "embedded_rivers.h"
 #include "fingerprint.h"
 #include "hydrotin/mesh.h"
 #include "kept_pits.h"
@@ -11,7 +12,6 @@
 #include "pit_options.h"
 #include "reduced_store.h"
 #include "river_state.h"
-#include "river_store.h"
 #include "settled_heights.h"
 #include "surface.h"
 #include "terrain_file.h"

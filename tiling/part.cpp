@@ -7,11 +7,11 @@
 #include <string>
 #include <tuple>
 
+#include "embedded_rivers.h"
 #include "hydrotin/outlets.h"
 #include "hydrotin/predicates.h"
 #include "hydrotin/rasterize.h"
 #include "mend.h"
-#include "river_store.h"
 #include "store.h"
 
 namespace hydrotin {

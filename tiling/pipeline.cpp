@@ -5,10 +5,10 @@
 #include <fstream>
 #include <sstream>
 
+#include "embedded_rivers.h"
 #include "report.h"
 #include "river_input.h"
 #include "river_need.h"
-#include "river_store.h"
 #include "schedule.h"
 #include "store.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "river_store.h"
+#include "embedded_rivers.h"
 
 namespace hydrotin {
 

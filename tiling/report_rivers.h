@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "embedded_rivers.h"
 #include "hydrotin/vector.h"
 #include "phases.h"
-#include "river_store.h"
 
 /// What the report says of rivers, and their layers.
 

@@ -3,7 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "river_store.h"
+#include "river_network_store.h"
+#include "river_solution_store.h"
 #include "river_window.h"
 
 /// Groups of rivers on windows that grow until they hold all that the embedding asks.

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "embedded_rivers.h"
 #include "hydrotin/river_statistics.h"
 #include "river_edges.h"
-#include "river_store.h"
 
 namespace hydrotin {
 namespace {

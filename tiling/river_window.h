@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hydrotin/lattice.h"
-#include "river_store.h"
+#include "river_network_store.h"
 #include "surface.h"
 
 /// Windows on the terrain for what rivers ask: any set of cells with all triangles around.

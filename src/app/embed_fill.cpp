@@ -14,8 +14,6 @@
 namespace hydrotin::app {
 namespace {
 
-constexpr std::size_t kUnlimitedVertices = 200'000;  // up to here the search for each breach is run to its end
-
 void set_heights(Mesh& mesh, const std::vector<double>& height) {
   for (std::size_t v = 0; v < height.size(); ++v) mesh.vertex[v][2] = height[v];
 }
@@ -59,11 +57,9 @@ void change_least(Mesh& mesh, const FillTerrain& terrain, const EmbedInput& inpu
       upper[v] = level[v] == kNoLevel ? terrain.height[v] : level[v];
     }
   }
-  RemovalOptions options;
-  if (n > kUnlimitedVertices) options.limits.max_visits = kScalableVisits;
   const ChangeableTerrain changeable{&terrain.graph, terrain.height, terrain.position, input.is_outlet, {},
                                      lower,          upper};
-  const Removal removal = remove_pits(changeable, options);
+  const Removal removal = remove_pits_by_best_search(changeable, {});
   std::map<std::int32_t, double> value;  // heights of the mesh at each level: the highest of those rounded to it
   for (std::size_t v = 0; v < n && !terrain.is_exact; ++v) {
     const auto [at, is_new] = value.emplace(terrain.height[v], mesh.vertex[v][2]);

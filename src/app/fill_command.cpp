@@ -72,8 +72,6 @@ FillResult compare(const Mesh& before, const Mesh& after, const FillTerrain& ter
   return result;
 }
 
-constexpr std::size_t kUnlimitedVertices = 200'000;  // up to here the search for each breach is run to its end
-
 /// Small terrains are searched thoroughly.
 bool is_small(std::uint64_t num_pits, std::uint64_t num_vertices) {
   return (num_pits + 1) * (num_pits + 1) <= kGreedyBreachLimit / std::max<std::uint64_t>(num_vertices, 1);
@@ -174,7 +172,6 @@ RemovalOptions search_options(const FillArguments& arguments, const PitOptions& 
   options.thorough =
       !pits.max_breach_length_m && is_small(count_pits(terrain.graph, terrain.height, ends), terrain.height.size());
   if (options.thorough) options.max_rounds = 6;
-  if (terrain.height.size() <= kUnlimitedVertices) options.limits.max_visits = ~std::uint64_t{0};
   return options;
 }
 
@@ -212,7 +209,8 @@ int fill(const FillArguments& arguments) {
   const HeightBounds bounds = depth_bounds(terrain.height, options.limits.max_depth);
   changeable.lower = bounds.lower;
   changeable.upper = bounds.upper;
-  const Removal removal = remove_pits(changeable, options);
+  const Removal removal = arguments.search == "scalable" ? remove_pits(changeable, options)
+                                                         : remove_pits_by_best_search(changeable, options);
   const Mesh original = mesh;
   set_heights(mesh, terrain, removal, options.method, ends);
   FillResult result = compare(original, mesh, terrain, removal, options.measure);

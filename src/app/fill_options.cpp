@@ -69,7 +69,8 @@ void add_fill_options(CLI::App& command, FillArguments& arguments) {
       ->type_name("M");
   command
       .add_option("--search", arguments.search,
-                  "for breaches: auto (thorough where the terrain is small), or scalable (what `run` does)")
+                  "for breaches: auto (the better of scalable and thorough where the terrain is small), or scalable "
+                  "(what `run` does)")
       ->capture_default_str();
   add_choice_of_pits(command, arguments);
   add_outlets(command, arguments);

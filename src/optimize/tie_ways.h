@@ -13,10 +13,11 @@
 /// its ends lie on (none: an end on the outer boundary), and the outer boundary; the components within hang nowhere and
 /// may be tied in any way. So a dynamic program needs one cell for each edge and choice of chains at its ends, and
 /// chooses a chain where a triangle reaches a component first: ways of different components add up, where in T3.3 they
-/// multiply. Why     Every triangulation contains a tie of every component (Lemma 3.1), hence a chain of each; along
-/// its
-///         triangles the program meets these chains. Conversely, what the program puts together covers the polygon,
-///         since a triangle that a chain of its corners cuts is not used.
+/// multiply.
+///
+/// Why  Every triangulation contains a tie of every component (Lemma 3.1), hence a chain of each; along its triangles
+///      the program meets these chains. Conversely, what the program puts together covers the polygon, since a triangle
+///      that a chain of its corners cuts is not used.
 
 namespace hydrotin {
 

@@ -18,10 +18,16 @@ namespace hydrotin {
 /// seen from its end: the answer does not depend on any numbering.
 ///
 /// Ground provides
-///   neighbors(v)                  range of vertices
-///   cost(v, level)                of lowering v to level, 0 if it is not higher; negative if it must not be lowered so
-///   far is_goal(v, level)             whether water that has come to v drains on its own is_exit(v, level) whether it
-///   leaves from v before(v, w)                  the order that breaks ties
+///   neighbors(v)
+///       range of vertices
+///   cost(v, level)
+///       of lowering v to level, 0 if it is not higher; negative if it must not be lowered so far
+///   is_goal(v, level)
+///       whether water that has come to v drains on its own
+///   is_exit(v, level)
+///       whether it leaves from v
+///   before(v, w)
+///       the order that breaks ties
 class BreachSearch {
  public:
   explicit BreachSearch(std::size_t num_vertices) : place_(num_vertices, 0) {}

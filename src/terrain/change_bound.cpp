@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hydrotin/lifting.h"
+#include "level_moats.h"
 #include "moat_packing.h"
 
 namespace hydrotin {
@@ -55,8 +56,8 @@ std::int64_t least_largest(const ChangeableTerrain& terrain, std::int64_t deepes
 
 }  // namespace
 
-std::int64_t change_bound(const ChangeableTerrain& terrain, std::span<const std::int32_t> level,
-                          ChangeMeasure measure) {
+std::int64_t change_bound(const ChangeableTerrain& terrain, std::span<const std::int32_t> level, ChangeMeasure measure,
+                          bool may_raise) {
   std::int64_t most = 0;
   std::vector<std::uint32_t> bottoms;  // no lower neighbour: a vertex of each pit, and some others, which add nothing
   for (std::uint32_t v = 0; v < level.size(); ++v) {
@@ -74,9 +75,15 @@ std::int64_t change_bound(const ChangeableTerrain& terrain, std::span<const std:
   });
   const bool only_once = measure == ChangeMeasure::count;
   MoatPacking packing(TerrainPacking{&terrain, only_once}, level.size(), only_once);
-  std::int64_t bound = 0;
-  for (const std::uint32_t v : bottoms) bound += static_cast<std::int64_t>(packing.add_pit(v, level[v]));
-  return bound;
+  Wide bound = 0;
+  for (const std::uint32_t v : bottoms) bound += packing.add_pit(v, level[v]);
+  if (!only_once && level.size() <= kSmallTerrain) {
+    LevelMoats moats(terrain, level, may_raise);
+    Wide by_moats = 0;
+    for (const std::uint32_t v : bottoms) by_moats += moats.add_pit(v);
+    bound = std::max(bound, by_moats);
+  }
+  return static_cast<std::int64_t>(std::min<Wide>(bound, std::numeric_limits<std::int64_t>::max()));
 }
 
 }  // namespace hydrotin

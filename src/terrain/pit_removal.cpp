@@ -38,11 +38,10 @@ std::vector<std::int32_t> solve(const DrainageProblem& problem, const RemovalOpt
 std::int64_t bound_of(const ChangeableTerrain& terrain, const RemovalOptions& options, const PitComponents& components,
                       std::int64_t cost) {
   if (options.method == RemovalMethod::lift) return cost;
-  std::int64_t bound = change_bound(terrain, components.level, options.measure);
-  if (options.method != RemovalMethod::least_change && components.num_unbreached == 0 &&
-      components.num_unfinished == 0 && components.num_cut == 0)
-    bound = std::max(bound, components.dearest_breach);
-  return bound;
+  const bool raises = options.method == RemovalMethod::least_change || components.num_unbreached != 0 ||
+                      components.num_unfinished != 0 || components.num_cut != 0;
+  const std::int64_t bound = change_bound(terrain, components.level, options.measure, raises);
+  return raises ? bound : std::max(bound, components.dearest_breach);
 }
 
 std::int64_t total_cost(const ChangeableTerrain& terrain, std::span<const std::int32_t> height, ChangeMeasure measure) {
@@ -108,6 +107,20 @@ Removal remove_pits(const ChangeableTerrain& terrain, const RemovalOptions& opti
   result.num_unbreached = components.num_unbreached;
   result.components = std::move(components);
   return result;
+}
+
+Removal remove_pits_by_best_search(const ChangeableTerrain& terrain, RemovalOptions options) {
+  const bool is_small = terrain.height.size() <= kSmallTerrain;
+  options.limits.max_visits = is_small ? BreachLimits{}.max_visits : kScalableVisits;
+  Removal result = remove_pits(terrain, options);
+  if (!is_small || options.method != RemovalMethod::least_change) return result;
+  options.limits.max_visits = kScalableVisits;
+  options.with_bound = false;  // it does not depend on searches
+  Removal other = remove_pits(terrain, options);
+  if (other.cost >= result.cost) return result;
+  other.bound = result.bound;
+  other.is_optimal = other.bound == other.cost;
+  return other;
 }
 
 std::vector<std::int64_t> star_weights(std::span<const LatticePoint> position,

@@ -22,8 +22,7 @@
 ///       allocation beyond a constant times the bytes read and the points really decoded.
 /// Paths    Any path of GDAL's virtual file system: /vsicurl/, /vsis3/, /vsizip/, /vsimem/ ... besides plain files.
 /// Threads  All const members of LasFile may be called concurrently; chunks decode in parallel. Only files without a
-/// chunk
-///          table (`header().sequential`) take turns, and are fast only when read in order.
+///          chunk table (`header().sequential`) take turns, and are fast only when read in order.
 /// Errors   Error(input), one sentence: file, place, cause, remedy.
 
 namespace hydrotin {

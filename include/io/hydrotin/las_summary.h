@@ -13,8 +13,7 @@
 ///   (1) A tally of a file does not depend on how its points are cut into batches or chunks, nor on which thread made
 ///       which part, as long as parts are appended in file order.
 ///   (2) The checksum is that of x, y, z (integers), class, flags and return numbers of all records in file order:
-///   equal for
-///       a LAS file and the LAZ file made from it, different when points are in another order.
+///       equal for a LAS file and the LAZ file made from it, different when points are in another order.
 /// Threads  Functions are pure; a LasTally belongs to one thread.
 
 namespace hydrotin {

@@ -12,8 +12,7 @@
 /// Triangle meshes as files: PLY written (binary, little-endian), PLY and OBJ read.
 ///
 /// PLY   vertices are three doubles x, y, z in the units of the CRS; faces are lists of three 32-bit indices. The
-/// comment
-///       line `comment offset X Y Z` says what to add to the vertices to get coordinates of the CRS (we write 0 0 0).
+///       comment line `comment offset X Y Z` says what to add to vertices to get coordinates of the CRS (ours: 0 0 0).
 /// CRS   WKT in a sidecar `NAME.prj` beside the mesh, where there is one.
 ///
 /// Threads  Functions for different files may run concurrently.

@@ -14,8 +14,7 @@
 /// when complete; the same values give the same bytes.
 ///
 /// Threads  Functions for different files may run concurrently, except that `cache_bytes` sets GDAL's block cache of
-/// the
-///          whole process while a function with this option runs.
+///          the whole process while a function with this option runs.
 /// Errors   Error(storage) for what we write, Error(input) for what we read.
 
 namespace hydrotin {

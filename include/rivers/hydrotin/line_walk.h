@@ -13,11 +13,9 @@
 /// Source   thesis, Section 7.2, preparation of the data: "all intersections between the river and terrain edges".
 /// Properties
 ///   (1) The stops of a piece are the points of the polyline on edges and vertices of the terrain, in its order, and
-///   its
-///       own points; what lies between two stops lies in one triangle or along one edge.
+///       its own points; what lies between two stops lies in one triangle or along one edge.
 ///   (2) A polyline may pass through vertices, run along edges, cross holes and leave the terrain: each part inside is
-///   a
-///       piece. Where it only touches the terrain there is no piece.
+///       a piece. Where it only touches the terrain there is no piece.
 ///   (3) Only orientations of lattice points decide: nothing is rounded.
 /// Threads  A locator may be used by many threads at once.
 

@@ -20,8 +20,7 @@
 /// Properties
 ///   (1) `check_network` finds no fault in the result.
 ///   (2) Water that enters a path at its first vertex gets to its last one, unless a circle was cut, or part of the
-///   path
-///       was left out for another reason that is counted.
+///       path was left out for another reason that is counted.
 ///   (3) The result does not depend on the numbering of vertices nor on the order of the paths, save which of several
 ///       lines with the same edge gives it its name.
 /// Threads  Pure.

@@ -13,9 +13,8 @@
 ///
 ///   flow          h_from - h_to >= decline * length of the edge
 ///   valley        h_w - ((1 - t) h_from + t h_to) >= side slope * distance of w from the line, for both wingtips w; t
-///   is
-///                 the foot of w on the line of the edge, and the row is divided by max(1, |t|, |1 - t|). It says the
-///                 same as the 4 x 4 determinant of Section 7.1.1.
+///                 is the foot of w on the line of the edge, and the row is divided by max(1, |t|, |1 - t|). It says
+///                 the same as the 4 x 4 determinant of Section 7.1.1.
 ///   slope limit   |d_a - d_b| <= p |h0_a - h0_b| for edges that are not flat and have no river vertex
 ///   triangle      the same for the slope of a triangle in given directions; triangles with a river vertex are exempt
 ///   contiguous    no way down from a river vertex is steeper than its river edge; not posed where the river parts

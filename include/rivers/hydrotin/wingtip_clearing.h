@@ -18,8 +18,7 @@
 /// Source   thesis, Section 7.1.2 (strict decline: Steiner point) and 7.2 (third edge); FINDINGS D6.
 /// Properties
 ///   (1) After `clear_wingtips` no triangle at a river edge has a third vertex on a river, an outlet chain or in a
-///   lake,
-///       unless it lies in one lake; but for `num_left`.
+///       lake, unless it lies in one lake; but for `num_left`.
 ///   (2) Neither depends on any numbering: triangles come in (x, y) order.
 ///   (3) A third edge leaves the network without directed cycles and repeated edges.
 ///   (4) Steiner points lie on the lattice, at most a unit from the middle of their edge.

@@ -60,8 +60,7 @@ struct ContourTree {
 ///
 /// @param height, position  [n]; positions are distinct.
 /// @return  nothing if no contour tree exists: where a piece of the terrain surrounds a hole, contours may part and
-/// meet
-///          again. (Fill holes with triangles first. Some terrains with holes have a tree, and then get it.)
+///          meet again. (Fill holes with triangles first. Some terrains with holes have a tree, and then get it.)
 /// Complexity: O(n log n + E log n) time; at its peak 37 bytes per vertex beside the input.
 /// Fails: never on data; std::bad_alloc. Preconditions are asserted.
 [[nodiscard]] std::optional<ContourTree> contour_tree(const VertexGraph& graph, std::span<const std::int32_t> height,

@@ -13,9 +13,8 @@
 /// x(root) >= exit(root). For a fixed forest the best mix of raising and lowering is an isotonic regression on trees,
 /// solved exactly:
 ///   total, volume  in the sense of L1. Let G_v(t) be the least cost of the subtree of v if v must lie at t or above:
-///   convex
-///                  and piecewise linear. Each node holds the breakpoints of G_v in a heap: it melds those of its
-///                  children, adds its own height with twice its weight, and takes its weight away from the lowest
+///                  convex and piecewise linear. Each node holds the breakpoints of G_v in a heap: it melds those of
+///                  its children, adds its own height with twice its weight, and takes its weight away from the lowest
 ///                  breakpoints; the last of them is the best height m(v) without regard to what lies below. Downwards
 ///                  from the roots x(v) = max(m(v), x(p(v))).
 ///   count          in the sense of L0: which vertices may keep their heights. The same with the step function of the
@@ -23,13 +22,11 @@
 ///                  subsequence. The others then move as little as they can.
 ///
 /// Source   FINDINGS C5; T6.3 leaves it open. Breakpoint heaps: Stout, "Isotonic regression via partitioning", 2013,
-/// and
-///          the slope trick of dynamic programming.
+///          and the slope trick of dynamic programming.
 /// Symbols  k = members.
 /// Properties
 ///   (1) The result is a least-cost surface with x(v) >= x(p(v)), x(root) >= exit(root) and lower <= x <= upper; the
-///   lowest
-///       one of these.
+///       lowest one of these.
 ///   (2) Its heights are heights, bounds or exits of the problem: they stay on the lattice.
 /// Threads  One object belongs to one thread; it keeps its memory from call to call.
 

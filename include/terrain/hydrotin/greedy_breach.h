@@ -19,8 +19,7 @@
 /// Properties
 ///   (1) The result drains; it lies nowhere above the heights, except where a pit cannot be breached.
 ///   (2) If all pits can be breached, and for the measures total, count and volume, it costs at most max(1, 2 ln m)
-///   times
-///       the least cost of a surface below the heights that drains.
+///       times the least cost of a surface below the heights that drains.
 /// Threads  Pure: safe to call concurrently, no hidden parallelism.
 
 namespace hydrotin {

@@ -25,8 +25,7 @@
 /// Properties
 ///   (1) The result does not depend on the numbering of vertices, nor on the part that was asked, once it knows enough.
 /// Threads  One object belongs to one thread; it keeps 4 to 6 bytes per vertex from call to call, and 28 for each
-/// vertex
-///          that its largest search looked at.
+///          vertex that its largest search looked at.
 
 namespace hydrotin {
 

@@ -35,8 +35,8 @@ inline constexpr std::int32_t kNoLevel = std::numeric_limits<std::int32_t>::max(
 ///
 /// @param height     [n], each below kNoLevel.
 /// @param is_outlet  [n], nonzero where water may leave. Every component of the graph should have one: a vertex without
-/// a
-///                   path to an outlet gets kNoLevel, which the caller must treat as a mistake or as "leave it alone".
+///                   a path to an outlet gets kNoLevel, which the caller must treat as a mistake or as "leave it
+///                   alone".
 /// @return           [n] levels.
 /// Complexity: O(n + E) plus O(log n) for each vertex that may overflow into a lower one; at most n.
 /// Fails: never on data; std::bad_alloc. Preconditions are asserted.

@@ -29,8 +29,7 @@
 /// Symbols  n = vertices, E = edges, M = members, C = components.
 /// Properties
 ///   (1) Components and problems do not depend on the numbering of vertices: members ascend by (x, y), components by
-///   their
-///       smallest member.
+///       their smallest member.
 ///   (2) Surfaces x <= f that drain, one for each component, together with h outside, leave no pit in the terrain.
 ///   (3) Members of a component are found from f and from the paths of its own pits alone.
 /// Threads  Pure: safe to call concurrently, no hidden parallelism.
@@ -44,6 +43,7 @@ namespace hydrotin {
 /// look at more, the lowest is searched for as far as the size of the lake allows; the others are breached along the
 /// forest by which the flood drains the lake. The costs of these are not the least.
 inline constexpr std::uint64_t kScalableVisits = 1000;  ///< for terrains of millions of pits
+inline constexpr std::size_t kSmallTerrain = 200'000;   ///< vertices up to which searches may take their time
 struct BreachLimits {
   std::int32_t max_depth = std::numeric_limits<std::int32_t>::max();  ///< of lowering a vertex [z lattice units]
   double max_length =

@@ -25,12 +25,10 @@
 ///   (1) The pits are those of `find_pits`, in the same order.
 ///   (2) Basins are nested or disjoint; a basin contains those of its children and no others of its size or larger.
 ///   (3) The lift of all pits raises the basins of the pits without parent, each vertex to the highest spill level of
-///   the
-///       basins around it.
+///       the basins around it.
 ///   (4) Nothing depends on the numbering of vertices.
 ///   (5) For every m, lifting the m pits of the lowest `price` (ties by (height, representative)) and keeping the
-///   others
-///       costs least total displacement among all choices of m pits.
+///       others costs least total displacement among all choices of m pits.
 /// Units    lattice units; areas doubled, so that they are integers.
 /// Threads  Pure: safe to call concurrently, no hidden parallelism.
 

@@ -16,9 +16,8 @@
 ///   (1) No pit is left, but for pieces of the terrain without outlet, which stay as they are; outlets never move.
 ///   (2) Heights are integers of the lattice; the result is as free of pits as written.
 ///   (3) The result lies nowhere above that of `lift`; for `breach` and `greedy_breach` nowhere above the terrain
-///   either,
-///       except at pits that cannot be breached within the limits, or not inside their square of a component that is
-///       cut (`BreachLimits::max_group`), which are lifted.
+///       either, except at pits that cannot be breached within the limits, or not inside their square of a component
+///       that is cut (`BreachLimits::max_group`), which are lifted.
 ///   (4) `least_change` costs no more than `lift` nor than `breach`.
 ///   (5) A terrain without pits is not changed.
 ///   (6) The result does not depend on the numbering of vertices.
@@ -61,6 +60,13 @@ struct Removal {
 /// greedy_breach.h); at its peak about 60 bytes per vertex beside the input.
 /// Fails: never on data; std::bad_alloc. Preconditions are asserted.
 [[nodiscard]] Removal remove_pits(const ChangeableTerrain& terrain, const RemovalOptions& options);
+
+/// The same; for least_change on a small terrain the cheaper result of searches that run to their end and of searches
+/// as long as `kScalableVisits`. (Longer searches find breaches for deeper pits, but in larger components, where the
+/// descent that follows may end at a worse surface.) Other methods search to the end where the terrain is small.
+///
+/// @param options  its `limits.max_visits` is not read.
+[[nodiscard]] Removal remove_pits_by_best_search(const ChangeableTerrain& terrain, RemovalOptions options);
 
 /// How far members are sought for a method and a measure.
 [[nodiscard]] MemberReach reach_of(const RemovalOptions& options);

@@ -18,8 +18,7 @@
 /// Properties
 ///   (1) Each centre in the interior of a triangulated region is written exactly once.
 ///   (2) The value is a function of the triangle's coordinates and heights and of the cell: whoever computes it, in
-///   whatever
-///       order of triangles and of their vertices, gets the same bits.
+///       whatever order of triangles and of their vertices, gets the same bits.
 ///   (3) Rasters of the parts of a triangulation, in any windows, are pieces of the raster of the whole.
 /// Units    heights on the z lattice; values in world units as float.
 /// Threads  Pure but for `value`: concurrent calls must write different arrays.

@@ -22,8 +22,7 @@
 ///   (1) Minimax heights between terminals in the forest are those in the part.
 ///   (2) The forest has at most R edges.
 ///   (3) Levels of rim vertices from `drain` are those of `lift` on the whole terrain, for every way of cutting it; so
-///   are
-///       the levels of all vertices from `lift_catchments` and from `lift_from`.
+///       are the levels of all vertices from `lift_catchments` and from `lift_from`.
 /// Ties     The forest is not unique under ties and depends on the numbering of the part; the levels are and do not.
 /// Threads  Pure: safe to call concurrently, no hidden parallelism.
 

@@ -16,18 +16,15 @@
 /// the domain is a square.
 ///
 ///   fluvial   mountains (about 200 m of relief per kilometre) that a branching drainage network has carved, which
-///   leaves
-///             by the southern edge; one point at random in every square metre
+///             leaves by the southern edge; one point at random in every square metre
 ///   urban     gentle ground with streets; the flat-roofed blocks are left out as voids; points as in `fluvial`
 ///   lattice   rolling ground; points exactly on a grid of one metre (every in-circle test is a tie)
 ///   scanline  rolling ground; swaths of an airborne scanner that overlap a little, with parallel and zig-zag lines in
-///   turn:
-///             spacing along a line differs from that across, with little jitter
+///             turn: spacing along a line differs from that across, with little jitter
 ///
 /// Method   The relief of `fluvial` is the fixed point of: drain (priority flood from the southern edge), accumulate
-/// area,
-///          rebuild heights along the drainage tree with slope ~ area^-0.45 (Flint's law); then fine noise, and valleys
-///          cut along the tree, whose beds descend all the way down.
+///          area, rebuild heights along the drainage tree with slope ~ area^-0.45 (Flint's law); then fine noise, and
+///          valleys cut along the tree, whose beds descend all the way down.
 /// Units    Coordinates are integers: centimetres; heights too. The origin is that of a UTM zone.
 /// Threads  Const functions may be called concurrently.
 

@@ -3,22 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <limits>
-#include <memory>
-#include <span>
 #include <string>
-#include <unordered_map>
-#include <utility>
 #include <vector>
 
 #include "hydrotin/river_embedding.h"
-#include "hydrotin/river_layers.h"
 #include "hydrotin/river_matching.h"
-#include "hydrotin/river_profiles.h"
 #include "phases.h"
 #include "store.h"
 
-/// What rivers make of the terrain: the outputs of `match`, `embed` and `unite`.
+/// The network of rivers on the terrain: the output of `match`.
 ///
 /// Memory  Grows with the rivers only. Errors  Error(storage) naming the file.
 /// Symbols  V = vertices listed, M = new vertices, R = river edges, C = edges of outlet chains, G = groups.
@@ -81,79 +74,5 @@ struct RiverNames {
 
 void write_network(store::Writer& out, const RiverNetwork& network);
 [[nodiscard]] RiverNetwork read_network(const RunContext& context);
-
-/// A row that does not hold, in points.
-struct BrokenPlace {
-  RowKind kind = RowKind::flow;
-  bool is_strict_part = false;
-  double missing = 0;  ///< in the unit of heights
-  std::vector<std::uint64_t> point;
-  LatticePoint at;  ///< of its first point
-  std::int32_t height = 0;
-};
-
-/// A row that leaves no room, or a vertex that moved as far as it may. Lattice units, heights as embedded.
-struct LimitPlace {
-  RowKind kind = RowKind::slope_limit;
-  bool is_largest_change = false;
-  std::int32_t change = 0;                          ///< of a largest change
-  std::vector<std::array<std::int32_t, 3>> corner;  ///< x, y, z
-};
-
-/// A river edge before and after the embedding.
-struct EmbeddedEdge {
-  std::uint32_t edge = 0;  ///< of the network
-  RiverEdgeState before{}, after{};
-};
-
-/// A vertex that the rivers move. Lattice units.
-struct MovedVertex {
-  std::uint64_t point = 0;
-  LatticePoint position;
-  std::int32_t before = 0, after = 0;
-};
-
-/// A river in the tables of Section 7.2, as far as one solution has a share in it.
-struct RiverShare {
-  std::uint32_t river = 0;  ///< of `name_rivers`
-  RiverRow row;
-};
-
-/// Heights for some groups, solved together.
-struct GroupSolution {
-  std::vector<std::uint32_t> group;                           ///< ascending
-  std::vector<MovedVertex> moved;                             ///< ascending by point
-  std::vector<RiverShare> table;                              ///< ascending by river
-  std::vector<EmbeddedEdge> edge;                             ///< ascending by (x, y)
-  std::vector<LimitPlace> limit;                              ///< in (x, y) order
-  std::vector<std::uint64_t> near;                            ///< points that no other solution may come near
-  std::vector<std::pair<std::uint64_t, std::int32_t>> floor;  ///< least heights that valleys leave wingtips
-  std::vector<BrokenPlace> broken;
-  double objective = 0, bound = 0;  ///< in the unit of heights
-  std::uint64_t rows = 0, columns = 0, rounds = 0, iterations = 0, clamped = 0;
-  bool optimal = true;
-};
-
-void write_solutions(store::Writer& out, std::span<const GroupSolution> solutions);
-[[nodiscard]] std::vector<GroupSolution> read_solutions(const store::Reader& in);
-
-/// What the step against pits has to leave alone.
-struct RiverBound {
-  bool is_way = false;  ///< of a river, a chain or a lake: it may rise with the water only
-  std::int32_t lower = std::numeric_limits<std::int32_t>::min();  ///< a valley needs it at least so high
-};
-
-/// All that later phases need.
-struct EmbeddedRivers {
-  std::unordered_map<std::uint64_t, RiverBound> bound;  ///< by point
-  RiverNetwork network;
-  std::vector<GroupSolution> solution;                                ///< without `near`
-  std::vector<std::pair<std::uint64_t, std::int32_t>> moved;          ///< ascending by point, heights that differ
-  std::vector<std::uint64_t> outlet;                                  ///< ascending, besides those of the policy
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> edge;          ///< river edges, ascending: from, to
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> contradicted;  ///< of them: no heights make them valid
-};
-
-[[nodiscard]] std::shared_ptr<const EmbeddedRivers> load_embedded_rivers(const RunContext& context);
 
 }  // namespace hydrotin

@@ -1,0 +1,135 @@
+#include "level_moats.h"
+
+#include <algorithm>
+#include <limits>
+#include <tuple>
+
+#include "height_key.h"
+
+namespace hydrotin {
+namespace {
+
+constexpr std::int64_t kBoundless = std::int64_t{1} << 62;
+
+}  // namespace
+
+LevelMoats::LevelMoats(const ChangeableTerrain& terrain, std::span<const std::int32_t> level, bool may_raise)
+    : terrain_(&terrain),
+      level_(level),
+      may_raise_(may_raise),
+      mark_(level.size(), 0),
+      first_claim_(level.size(), kNone) {}
+
+Wide LevelMoats::add_pit(std::uint32_t pit) {
+  const std::int32_t bottom = terrain_->height[pit], top = find_piece(pit);
+  return top > bottom ? fill_band(pit, {bottom, top}, kMostHalvings) : Wide{0};
+}
+
+bool LevelMoats::is_before(std::uint32_t v, std::uint32_t w) const {
+  return std::tie(terrain_->height[v], terrain_->position[v]) < std::tie(terrain_->height[w], terrain_->position[w]);
+}
+
+// Lists what is connected to the pit below its level, and returns the highest level at which the pit is the lowest.
+std::int32_t LevelMoats::find_piece(std::uint32_t pit) {
+  piece_.clear();
+  heap_.clear();
+  ++search_;
+  std::int32_t water = terrain_->height[pit], top = level_[pit];
+  std::int64_t sum = 0;
+  mark_[pit] = search_;
+  heap_.push(height_key(water, pit));
+  while (!heap_.empty()) {
+    const auto key = static_cast<std::uint64_t>(heap_.pop());
+    const auto v = static_cast<std::uint32_t>(key);
+    water = std::max(water, terrain_->height[v]);
+    if (water >= top || piece_.size() == kMostVisits) break;
+    sum += weight(v);
+    piece_.emplace_back(water, sum);
+    for (const std::uint32_t w : terrain_->graph->neighbors(v)) {
+      if (mark_[w] == search_) continue;
+      mark_[w] = search_;
+      if (is_before(w, pit)) top = water;
+      heap_.push(height_key(terrain_->height[w], w));
+    }
+  }
+  return std::min(top, water);
+}
+
+// Of what is connected below a level.
+std::int64_t LevelMoats::weight_of_piece(std::int32_t level) const {
+  const auto end = std::lower_bound(piece_.begin(), piece_.end(), level,
+                                    [](const auto& entry, std::int32_t t) { return entry.first < t; });
+  return end == piece_.begin() ? 0 : std::prev(end)->second;
+}
+
+Wide LevelMoats::fill_band(std::uint32_t pit, Band band, int halvings) {
+  const auto most = [&](std::int32_t level) { return may_raise_ ? weight_of_piece(level) : kBoundless; };
+  const std::int64_t radius = grow(pit, band, most(band.below + 1));
+  if (std::int64_t{band.top} - band.below > 1 && halvings > 0 && work_ < kMostWork * mark_.size()) {
+    const std::int64_t widest = grow(pit, {band.below, band.below + 1}, most(band.top));
+    if (widest > radius) {
+      const auto middle = static_cast<std::int32_t>((std::int64_t{band.below} + band.top) >> 1);
+      return fill_band(pit, {band.below, middle}, halvings - 1) + fill_band(pit, {middle, band.top}, halvings - 1);
+    }
+    grow(pit, band, radius);
+  }
+  claim(band, radius);
+  return static_cast<Wide>(radius) * (std::int64_t{band.top} - band.below);
+}
+
+// How far the moat can grow. Vertices join it in the order of radius; each is reached once, by the first neighbour.
+std::int64_t LevelMoats::grow(std::uint32_t pit, Band band, std::int64_t most) {
+  reached_.clear();
+  heap_.clear();
+  ++search_;
+  reach(pit, band, 0);
+  std::int64_t radius = most, at = 0;
+  std::size_t num_visits = 0;
+  while (!heap_.empty()) {
+    const Key key = heap_.pop();
+    const auto v = static_cast<std::uint32_t>(key);
+    at = static_cast<std::int64_t>(key >> 32);
+    if (at >= most) break;
+    if (level_[v] < band.top || num_visits == kMostVisits) {  // water leaves from here
+      radius = at;
+      break;
+    }
+    ++num_visits;
+    for (const std::uint32_t w : terrain_->graph->neighbors(v))
+      if (mark_[w] != search_) reach(w, band, at);
+  }
+  if (heap_.empty() && most == kBoundless) radius = at;  // no way out
+  work_ += static_cast<std::uint64_t>(
+      std::count_if(reached_.begin(), reached_.end(), [&](const Reached& r) { return r.radius < radius; }));
+  return radius;
+}
+
+void LevelMoats::reach(std::uint32_t v, Band band, std::int64_t radius) {
+  mark_[v] = search_;
+  const bool is_wall = terrain_->height[v] >= band.top &&
+                       (terrain_->is_outlet[v] || (!terrain_->lower.empty() && terrain_->lower[v] >= band.top));
+  if (is_wall) return;  // nothing gets by here
+  const std::int64_t can_pay = capacity(v, band);
+  reached_.push_back({v, radius, can_pay});
+  heap_.push(static_cast<Key>(std::min(radius + can_pay, kBoundless)) << 32 | v);
+}
+
+std::int64_t LevelMoats::capacity(std::uint32_t v, Band band) const {
+  if (terrain_->height[v] < band.top) return 0;
+  std::int64_t left = weight(v);
+  for (std::uint32_t i = first_claim_[v]; i != kNone; i = claim_[i].next)
+    if (claim_[i].band.below < band.top && band.below < claim_[i].band.top) left -= claim_[i].amount;
+  return std::max<std::int64_t>(left, 0);
+}
+
+// For what the last moat reached.
+void LevelMoats::claim(Band band, std::int64_t radius) {
+  for (const Reached& r : reached_) {
+    const std::int64_t amount = std::min(r.capacity, radius - r.radius);
+    if (amount <= 0) continue;
+    claim_.push_back({band, amount, first_claim_[r.v]});
+    first_claim_[r.v] = static_cast<std::uint32_t>(claim_.size() - 1);
+  }
+}
+
+}  // namespace hydrotin

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "hydrotin/pit_components.h"
+#include "hydrotin/wide.h"
+#include "min_heap.h"
+
+namespace hydrotin {
+
+/// Moats around pits, level by level, as wide as the way out of the pit is long: a lower bound on the cost of removing
+/// all pits, in the measures total and volume.
+///
+/// Look at one level t, at a pit and at K, what is connected to it below t. Let S_0 = K and S_1, S_2, ... be sets
+/// around it, each with the neighbours of the one before, none with an outlet below t. A surface without pits has all
+/// of K at t or above, or some vertex of K below t, and then water that runs from there to an outlet, below t all the
+/// way: it leaves every S_i by a neighbour below t. The neighbours of S_i that were not below t before, and are not in
+/// S_i, are those of S_i alone, so the surface costs at least min(weight of K, number of sets) at this level. With
+/// weights, sets grow like circles: a vertex of weight w is within the front while the radius grows by w; then the cost
+/// is at least min(weight of K, radius). Pits share out the weight of each vertex at each level; what is used up can be
+/// crossed at no cost. Each K is asked for once, by its lowest vertex.
+///
+/// A band of levels is treated like one level: with K as at its lowest, and what is below its highest level free to
+/// cross. Bands are halved, some times, where their lowest level alone would give more.
+///
+/// Source   own; the dual of shortest paths and of prize-collecting Steiner trees.
+class LevelMoats {
+ public:
+  /// @param level      [n] of `lift`.
+  /// @param may_raise  false: bounds surfaces that raise nothing, where the weight of K does not count.
+  LevelMoats(const ChangeableTerrain& terrain, std::span<const std::int32_t> level, bool may_raise);
+
+  /// What the moats of a pit add to the bound; nothing if it is not the lowest vertex, by (height, x, y), of anything.
+  /// Looks at up to 4096 vertices for K and for each of up to 48 moats; with fewer bands after 500 n in all.
+  [[nodiscard]] Wide add_pit(std::uint32_t pit);
+
+ private:
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+  static constexpr std::size_t kMostVisits = 4096;
+  static constexpr int kMostHalvings = 4;
+  static constexpr std::uint64_t kMostWork = 500;  // per vertex
+  __extension__ using Key = unsigned __int128;     // radius, vertex
+
+  struct Band {
+    std::int32_t below, top;  // levels below + 1 .. top
+  };
+  struct Claim {
+    Band band;
+    std::int64_t amount;
+    std::uint32_t next;  // of the same vertex
+  };
+  struct Reached {
+    std::uint32_t v;
+    std::int64_t radius, capacity;  // when the front comes to it; what it can pay
+  };
+
+  [[nodiscard]] std::int64_t weight(std::uint32_t v) const {
+    return terrain_->weight.empty() ? 1 : terrain_->weight[v];
+  }
+  [[nodiscard]] bool is_before(std::uint32_t v, std::uint32_t w) const;
+  std::int32_t find_piece(std::uint32_t pit);
+  [[nodiscard]] std::int64_t weight_of_piece(std::int32_t level) const;
+  Wide fill_band(std::uint32_t pit, Band band, int halvings);
+  std::int64_t grow(std::uint32_t pit, Band band, std::int64_t most);
+  void reach(std::uint32_t v, Band band, std::int64_t radius);
+  [[nodiscard]] std::int64_t capacity(std::uint32_t v, Band band) const;
+  void claim(Band band, std::int64_t radius);
+
+  const ChangeableTerrain* terrain_;
+  std::span<const std::int32_t> level_;
+  bool may_raise_;
+  std::uint64_t work_ = 0;
+  std::vector<std::uint32_t> mark_;  // [n] of the last search that reached a vertex
+  std::uint32_t search_ = 0;
+  std::vector<std::pair<std::int32_t, std::int64_t>> piece_;  // water that reaches a vertex, weight with all before
+  std::vector<std::uint32_t> first_claim_;                    // [n]
+  std::vector<Claim> claim_;
+  std::vector<Reached> reached_;
+  BasicMinHeap<Key> heap_;
+};
+
+}  // namespace hydrotin

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "store.h"
+
+/// Arrays of a file of the store, read with doubt: what other arrays say of their sizes and values has to hold.
+///
+/// Errors  Error(storage) naming the file.
+
+namespace hydrotin::store {
+
+[[noreturn]] inline void contradicts(const std::string& path) {
+  throw Error(ErrorKind::storage, path + ": its arrays contradict each other; delete the scratch folder and run again");
+}
+
+/// `size` elements.
+template <class T>
+std::vector<T> read_sized(const Reader& in, const std::string& name, std::uint64_t size) {
+  if (in.size(name) != size) contradicts(in.path());
+  return in.read<T>(name);
+}
+
+/// Each value is less than `end`.
+template <class T>
+void check_below(const Reader& in, const std::vector<T>& values, std::uint64_t end) {
+  if (std::any_of(values.begin(), values.end(), [&](T value) { return value >= end; })) contradicts(in.path());
+}
+
+/// Lists of lists as CSR: NAME_begin and NAME. of(entry, flat) appends one list.
+template <class T, class List, class Of>
+void write_lists(Writer& out, const std::string& name, const List& lists, Of of, const std::string& meaning) {
+  std::vector<std::uint64_t> begin{0};
+  std::vector<T> flat;
+  for (const auto& entry : lists) {
+    of(entry, flat);
+    begin.push_back(flat.size());
+  }
+  out.append(name + "_begin", begin, "offsets into " + name + ", one more than lists");
+  out.append(name, flat, meaning);
+}
+
+/// `count` lists.
+template <class T>
+std::vector<std::vector<T>> read_lists(const Reader& in, const std::string& name, std::uint64_t count) {
+  const auto begin = read_sized<std::uint64_t>(in, name + "_begin", count + 1);
+  const auto flat = in.read<T>(name);
+  if (begin.back() != flat.size() || !std::is_sorted(begin.begin(), begin.end())) contradicts(in.path());
+  std::vector<std::vector<T>> out;
+  for (std::uint64_t i = 0; i < count; ++i)
+    out.emplace_back(flat.begin() + static_cast<std::ptrdiff_t>(begin[i]),
+                     flat.begin() + static_cast<std::ptrdiff_t>(begin[i + 1]));
+  return out;
+}
+
+}  // namespace hydrotin::store

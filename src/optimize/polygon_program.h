@@ -135,10 +135,12 @@ class PolygonProgram {
   void push_children(const Ways& ways, std::uint32_t c, const std::vector<std::uint8_t>& blocked) {
     const auto push = [&](std::uint32_t child) {
       if (place_[child] != kOpen) return;
-      if (ways.is_end(child))
+      if (ways.is_end(child)) {
         place_[child] = end_;
-      else
+      } else {
         stack_.push_back(child);
+        graph_->fetch_option(graph_->edge(ways.edge_of(child)).first_option);  // its turn comes soon
+      }
     };
     for_options(ways, c, blocked, [&](std::uint32_t, std::uint32_t, std::uint32_t left, std::uint32_t right) {
       push(left);
@@ -149,6 +151,7 @@ class PolygonProgram {
   template <class Ways, class Visit>
   void for_options(const Ways& ways, std::uint32_t c, const std::vector<std::uint8_t>& blocked, Visit visit) const {
     for (std::uint32_t o = graph_->edge(ways.edge_of(c)).first_option; o != kNoEdge; o = graph_->option(o).next) {
+      graph_->fetch_option(graph_->option(o).next);
       if (blocked[PolygonGraph::triangle_of(o)]) continue;
       ways.for_ways(c, o,
                     [&](std::uint32_t way, std::uint32_t left, std::uint32_t right) { visit(o, way, left, right); });

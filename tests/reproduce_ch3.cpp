@@ -202,7 +202,7 @@ struct Arguments {
 };
 
 void random_sets(const Arguments& arguments) {
-  std::printf("Random points, %zu runs; averages over all polygons, largest: mean of the runs' largest.\n",
+  std::printf("Random points, %zu runs: means of the averages over polygons of each run, and of its largest polygon.\n",
               arguments.runs);
   std::vector<Structure> measured;
   const auto make = [](std::size_t seed, int n) {

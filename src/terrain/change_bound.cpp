@@ -77,8 +77,8 @@ std::int64_t change_bound(const ChangeableTerrain& terrain, std::span<const std:
   MoatPacking packing(TerrainPacking{&terrain, only_once}, level.size(), only_once);
   Wide bound = 0;
   for (const std::uint32_t v : bottoms) bound += packing.add_pit(v, level[v]);
-  if (!only_once && level.size() <= kSmallTerrain) {
-    LevelMoats moats(terrain, level, may_raise);
+  if (level.size() <= kSmallTerrain) {
+    LevelMoats moats(terrain, level, measure, may_raise);
     Wide by_moats = 0;
     for (const std::uint32_t v : bottoms) by_moats += moats.add_pit(v);
     bound = std::max(bound, by_moats);

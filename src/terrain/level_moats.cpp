@@ -13,16 +13,19 @@ constexpr std::int64_t kBoundless = std::int64_t{1} << 62;
 
 }  // namespace
 
-LevelMoats::LevelMoats(const ChangeableTerrain& terrain, std::span<const std::int32_t> level, bool may_raise)
+LevelMoats::LevelMoats(const ChangeableTerrain& terrain, std::span<const std::int32_t> level, ChangeMeasure measure,
+                       bool may_raise)
     : terrain_(&terrain),
       level_(level),
+      is_count_(measure == ChangeMeasure::count),
       may_raise_(may_raise),
       mark_(level.size(), 0),
       first_claim_(level.size(), kNone) {}
 
 Wide LevelMoats::add_pit(std::uint32_t pit) {
   const std::int32_t bottom = terrain_->height[pit], top = find_piece(pit);
-  return top > bottom ? fill_band(pit, {bottom, top}, kMostHalvings) : Wide{0};
+  if (top <= bottom) return 0;
+  return is_count_ ? fill_one_level(pit, {bottom, top}) : fill_band(pit, {bottom, top}, kMostHalvings);
 }
 
 bool LevelMoats::is_before(std::uint32_t v, std::uint32_t w) const {
@@ -44,7 +47,7 @@ std::int32_t LevelMoats::find_piece(std::uint32_t pit) {
     water = std::max(water, terrain_->height[v]);
     if (water >= top || piece_.size() == kMostVisits) break;
     sum += weight(v);
-    piece_.emplace_back(water, sum);
+    piece_.push_back({water, v, sum});
     for (const std::uint32_t w : terrain_->graph->neighbors(v)) {
       if (mark_[w] == search_) continue;
       mark_[w] = search_;
@@ -55,25 +58,52 @@ std::int32_t LevelMoats::find_piece(std::uint32_t pit) {
   return std::min(top, water);
 }
 
-// Of what is connected below a level.
-std::int64_t LevelMoats::weight_of_piece(std::int32_t level) const {
+// Of what is connected below a level: the first vertices listed.
+std::size_t LevelMoats::size_of_piece(std::int32_t level) const {
   const auto end = std::lower_bound(piece_.begin(), piece_.end(), level,
-                                    [](const auto& entry, std::int32_t t) { return entry.first < t; });
-  return end == piece_.begin() ? 0 : std::prev(end)->second;
+                                    [](const PieceVertex& p, std::int32_t t) { return p.water < t; });
+  return static_cast<std::size_t>(end - piece_.begin());
+}
+
+// What it costs to raise all that is connected below a level.
+std::int64_t LevelMoats::most_at(std::int32_t level) const {
+  if (!may_raise_) return kBoundless;
+  const std::size_t size = size_of_piece(level);
+  if (!is_count_) return size == 0 ? 0 : piece_[size - 1].sum;
+  return std::count_if(piece_.begin(), piece_.begin() + static_cast<std::ptrdiff_t>(size),
+                       [&](const PieceVertex& p) { return first_claim_[p.v] == kNone; });
+}
+
+// Looks at the levels where the piece has one vertex, two, four, ..., and all.
+Wide LevelMoats::fill_one_level(std::uint32_t pit, Band levels) {
+  std::int64_t widest = 0;
+  std::int32_t best = 0;
+  const auto look_at = [&](std::int32_t level) {
+    if (level > levels.top) return;
+    const std::int64_t radius = grow(pit, {level - 1, level}, most_at(level));
+    if (radius > widest) best = level;
+    widest = std::max(widest, radius);
+  };
+  for (std::size_t size = 1; size <= piece_.size(); size *= 2) look_at(piece_[size - 1].water + 1);
+  look_at(levels.top);
+  if (widest == 0) return 0;
+  grow(pit, {best - 1, best}, widest);
+  claim_moat(kAllLevels, widest);
+  for (std::size_t i = 0; i < size_of_piece(best); ++i) claim(piece_[i].v, kAllLevels, 1);
+  return widest;
 }
 
 Wide LevelMoats::fill_band(std::uint32_t pit, Band band, int halvings) {
-  const auto most = [&](std::int32_t level) { return may_raise_ ? weight_of_piece(level) : kBoundless; };
-  const std::int64_t radius = grow(pit, band, most(band.below + 1));
+  const std::int64_t radius = grow(pit, band, most_at(band.below + 1));
   if (std::int64_t{band.top} - band.below > 1 && halvings > 0 && work_ < kMostWork * mark_.size()) {
-    const std::int64_t widest = grow(pit, {band.below, band.below + 1}, most(band.top));
+    const std::int64_t widest = grow(pit, {band.below, band.below + 1}, most_at(band.top));
     if (widest > radius) {
       const auto middle = static_cast<std::int32_t>((std::int64_t{band.below} + band.top) >> 1);
       return fill_band(pit, {band.below, middle}, halvings - 1) + fill_band(pit, {middle, band.top}, halvings - 1);
     }
     grow(pit, band, radius);
   }
-  claim(band, radius);
+  claim_moat(band, radius);
   return static_cast<Wide>(radius) * (std::int64_t{band.top} - band.below);
 }
 
@@ -123,13 +153,16 @@ std::int64_t LevelMoats::capacity(std::uint32_t v, Band band) const {
 }
 
 // For what the last moat reached.
-void LevelMoats::claim(Band band, std::int64_t radius) {
+void LevelMoats::claim_moat(Band band, std::int64_t radius) {
   for (const Reached& r : reached_) {
     const std::int64_t amount = std::min(r.capacity, radius - r.radius);
-    if (amount <= 0) continue;
-    claim_.push_back({band, amount, first_claim_[r.v]});
-    first_claim_[r.v] = static_cast<std::uint32_t>(claim_.size() - 1);
+    if (amount > 0) claim(r.v, band, amount);
   }
+}
+
+void LevelMoats::claim(std::uint32_t v, Band band, std::int64_t amount) {
+  claim_.push_back({band, amount, first_claim_[v]});
+  first_claim_[v] = static_cast<std::uint32_t>(claim_.size() - 1);
 }
 
 }  // namespace hydrotin

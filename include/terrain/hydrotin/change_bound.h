@@ -14,11 +14,12 @@
 ///   sum over t of the number of pieces in a packing (times the least weight around each) is a bound. The packing: pits
 ///   by descending f - h claim their neighbourhoods, level by level, up to the level at which they would overflow or
 ///   meet another's claim.
-///   On small terrains also by moats as wide as the way out is long (level_moats.h); the better of both.
 /// max
 ///   x(v) >= f(v) - D if no vertex is lowered by more than D, and x(v) <= h(v) + D: D >= (f(v) - h(v)) / 2.
 /// count
 ///   Each pit with its neighbours (the piece K at the level just above it) needs a moved vertex; a packing.
+///
+/// On small terrains also by moats as wide as the way out is long (level_moats.h); the better of both counts.
 ///
 /// Source   own; f of thesis, Theorem 6.1. The pieces are the moats of dual ascent for Steiner trees.
 /// Threads  Pure: safe to call concurrently, no hidden parallelism.

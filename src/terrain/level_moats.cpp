@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <tuple>
 
 #include "height_key.h"
@@ -20,16 +21,25 @@ LevelMoats::LevelMoats(const ChangeableTerrain& terrain, std::span<const std::in
       is_count_(measure == ChangeMeasure::count),
       may_raise_(may_raise),
       mark_(level.size(), 0),
-      first_claim_(level.size(), kNone) {}
+      first_claim_(level.size(), kNone) {
+  by_rank_.resize(level.size());
+  std::iota(by_rank_.begin(), by_rank_.end(), 0u);
+  std::sort(by_rank_.begin(), by_rank_.end(),
+            [&](std::uint32_t v, std::uint32_t w) { return terrain.position[v] < terrain.position[w]; });
+  rank_.resize(level.size());
+  for (std::uint32_t i = 0; i < rank_.size(); ++i) rank_[by_rank_[i]] = i;
+}
 
 Wide LevelMoats::add_pit(std::uint32_t pit) {
+  if (!has_time()) return 0;
   const std::int32_t bottom = terrain_->height[pit], top = find_piece(pit);
+  work_ += piece_.size();
   if (top <= bottom) return 0;
   return is_count_ ? fill_one_level(pit, {bottom, top}) : fill_band(pit, {bottom, top}, kMostHalvings);
 }
 
 bool LevelMoats::is_before(std::uint32_t v, std::uint32_t w) const {
-  return std::tie(terrain_->height[v], terrain_->position[v]) < std::tie(terrain_->height[w], terrain_->position[w]);
+  return std::tie(terrain_->height[v], rank_[v]) < std::tie(terrain_->height[w], rank_[w]);
 }
 
 // Lists what is connected to the pit below its level, and returns the highest level at which the pit is the lowest.
@@ -40,10 +50,10 @@ std::int32_t LevelMoats::find_piece(std::uint32_t pit) {
   std::int32_t water = terrain_->height[pit], top = level_[pit];
   std::int64_t sum = 0;
   mark_[pit] = search_;
-  heap_.push(height_key(water, pit));
+  heap_.push(height_key(water, rank_[pit]));
   while (!heap_.empty()) {
     const auto key = static_cast<std::uint64_t>(heap_.pop());
-    const auto v = static_cast<std::uint32_t>(key);
+    const std::uint32_t v = by_rank_[static_cast<std::uint32_t>(key)];
     water = std::max(water, terrain_->height[v]);
     if (water >= top || piece_.size() == kMostVisits) break;
     sum += weight(v);
@@ -52,7 +62,7 @@ std::int32_t LevelMoats::find_piece(std::uint32_t pit) {
       if (mark_[w] == search_) continue;
       mark_[w] = search_;
       if (is_before(w, pit)) top = water;
-      heap_.push(height_key(terrain_->height[w], w));
+      heap_.push(height_key(terrain_->height[w], rank_[w]));
     }
   }
   return std::min(top, water);
@@ -95,7 +105,7 @@ Wide LevelMoats::fill_one_level(std::uint32_t pit, Band levels) {
 
 Wide LevelMoats::fill_band(std::uint32_t pit, Band band, int halvings) {
   const std::int64_t radius = grow(pit, band, most_at(band.below + 1));
-  if (std::int64_t{band.top} - band.below > 1 && halvings > 0 && work_ < kMostWork * mark_.size()) {
+  if (std::int64_t{band.top} - band.below > 1 && halvings > 0 && has_time()) {
     const std::int64_t widest = grow(pit, {band.below, band.below + 1}, most_at(band.top));
     if (widest > radius) {
       const auto middle = static_cast<std::int32_t>((std::int64_t{band.below} + band.top) >> 1);
@@ -117,7 +127,7 @@ std::int64_t LevelMoats::grow(std::uint32_t pit, Band band, std::int64_t most) {
   std::size_t num_visits = 0;
   while (!heap_.empty()) {
     const Key key = heap_.pop();
-    const auto v = static_cast<std::uint32_t>(key);
+    const std::uint32_t v = by_rank_[static_cast<std::uint32_t>(key)];
     at = static_cast<std::int64_t>(key >> 32);
     if (at >= most) break;
     if (level_[v] < band.top || num_visits == kMostVisits) {  // water leaves from here
@@ -129,8 +139,6 @@ std::int64_t LevelMoats::grow(std::uint32_t pit, Band band, std::int64_t most) {
       if (mark_[w] != search_) reach(w, band, at);
   }
   if (heap_.empty() && most == kBoundless) radius = at;  // no way out
-  work_ += static_cast<std::uint64_t>(
-      std::count_if(reached_.begin(), reached_.end(), [&](const Reached& r) { return r.radius < radius; }));
   return radius;
 }
 
@@ -141,13 +149,14 @@ void LevelMoats::reach(std::uint32_t v, Band band, std::int64_t radius) {
   if (is_wall) return;  // nothing gets by here
   const std::int64_t can_pay = capacity(v, band);
   reached_.push_back({v, radius, can_pay});
-  heap_.push(static_cast<Key>(std::min(radius + can_pay, kBoundless)) << 32 | v);
+  heap_.push(static_cast<Key>(std::min(radius + can_pay, kBoundless)) << 32 | rank_[v]);
+  ++work_;
 }
 
-std::int64_t LevelMoats::capacity(std::uint32_t v, Band band) const {
+std::int64_t LevelMoats::capacity(std::uint32_t v, Band band) {
   if (terrain_->height[v] < band.top) return 0;
   std::int64_t left = weight(v);
-  for (std::uint32_t i = first_claim_[v]; i != kNone; i = claim_[i].next)
+  for (std::uint32_t i = first_claim_[v]; i != kNone; i = claim_[i].next, ++work_)
     if (claim_[i].band.below < band.top && band.below < claim_[i].band.top) left -= claim_[i].amount;
   return std::max<std::int64_t>(left, 0);
 }
@@ -161,6 +170,11 @@ void LevelMoats::claim_moat(Band band, std::int64_t radius) {
 }
 
 void LevelMoats::claim(std::uint32_t v, Band band, std::int64_t amount) {
+  if (const std::uint32_t last = first_claim_[v];
+      last != kNone && claim_[last].amount == amount && !is_count_ && claim_[last].band.top == band.below) {
+    claim_[last].band.top = band.top;
+    return;
+  }
   claim_.push_back({band, amount, first_claim_[v]});
   first_claim_[v] = static_cast<std::uint32_t>(claim_.size() - 1);
 }

@@ -38,7 +38,8 @@ class LevelMoats {
              bool may_raise);
 
   /// What the moats of a pit add to the bound; nothing if it is not the lowest vertex, by (height, x, y), of anything.
-  /// Looks at up to 4096 vertices for K and for each of up to 48 moats; with fewer bands after 500 n in all.
+  /// Looks at up to 4096 vertices for K and for each of up to 48 moats; after 500 n vertices and claims in all, adds
+  /// nothing more: so the pits that matter come first.
   [[nodiscard]] Wide add_pit(std::uint32_t pit);
 
  private:
@@ -46,7 +47,7 @@ class LevelMoats {
   static constexpr std::size_t kMostVisits = 4096;
   static constexpr int kMostHalvings = 4;
   static constexpr std::uint64_t kMostWork = 500;  // per vertex
-  __extension__ using Key = unsigned __int128;     // radius, vertex
+  __extension__ using Key = unsigned __int128;     // radius, rank
 
   struct Band {
     std::int32_t below, top;  // levels below + 1 .. top
@@ -79,7 +80,8 @@ class LevelMoats {
   Wide fill_band(std::uint32_t pit, Band band, int halvings);
   std::int64_t grow(std::uint32_t pit, Band band, std::int64_t most);
   void reach(std::uint32_t v, Band band, std::int64_t radius);
-  [[nodiscard]] std::int64_t capacity(std::uint32_t v, Band band) const;
+  [[nodiscard]] std::int64_t capacity(std::uint32_t v, Band band);
+  [[nodiscard]] bool has_time() const { return work_ < kMostWork * mark_.size(); }
   void claim(std::uint32_t v, Band band, std::int64_t amount);
   void claim_moat(Band band, std::int64_t radius);
 
@@ -87,7 +89,8 @@ class LevelMoats {
   std::span<const std::int32_t> level_;
   bool is_count_, may_raise_;
   std::uint64_t work_ = 0;
-  std::vector<std::uint32_t> mark_;  // [n] of the last search that reached a vertex
+  std::vector<std::uint32_t> by_rank_, rank_;  // [n] vertices by (x, y): searches do not depend on the numbering
+  std::vector<std::uint32_t> mark_;            // [n] of the last search that reached a vertex
   std::uint32_t search_ = 0;
   std::vector<PieceVertex> piece_;
   std::vector<std::uint32_t> first_claim_;  // [n]

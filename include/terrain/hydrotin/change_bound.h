@@ -29,7 +29,7 @@ namespace hydrotin {
 /// @param level      [n] of `lift`.
 /// @param may_raise  false: of surfaces that raise nothing.
 /// Complexity: for max a flood for each bit of the deepest pit; else O(n + sum over pits of b log b), b <= 4096
-/// vertices looked at per pit; up to `kSmallTerrain` vertices about 1,000 n looked at.
+/// vertices looked at per pit; up to `kSmallTerrain` vertices about 500 n looked at.
 [[nodiscard]] std::int64_t change_bound(const ChangeableTerrain& terrain, std::span<const std::int32_t> level,
                                         ChangeMeasure measure, bool may_raise = true);
 

@@ -170,7 +170,15 @@ struct Report {
   std::vector<std::pair<const char*, Cost>> stages;
   double bytes = 0;
   std::uint32_t edges = 0, triangles = 0, polygons = 0, solved = 0;
+  std::uint64_t checksum = 0;  // of the answer, in its order
 };
+
+std::uint64_t checksum_of(std::span<const std::array<VertexId, 3>> triangles) {
+  std::uint64_t sum = 0xcbf29ce484222325U;
+  for (const auto& t : triangles)
+    for (const VertexId v : t) sum = (sum ^ v.value) * 0x100000001b3U;
+  return sum;
+}
 
 // Some threads that take parts as they come.
 Executor on_threads(int num_workers) {
@@ -243,6 +251,8 @@ Report run(const TriangulationView& tri, const VertexLinks& links, std::span<con
   report.bytes = static_cast<double>(bytes_at_peak - before);
   report.edges = edges.size();
   report.polygons = subdivision.size();
+  report.checksum = checksum_of(answer);
+  laps.lap();
   report.triangles = order_k_triangles(tri, edges).size();
   done("(all triangles)");
   return report;
@@ -275,9 +285,9 @@ void measure(const std::string& name, std::size_t n, const std::vector<int>& ord
     const double each = 1 / static_cast<double>(n);
     std::printf(
         "k %d: %.3f us a vertex, %.2f x B', %.0f instructions, %.1f bytes; edges %.3f triangles %.3f polygons %.3f, "
-        "%.3f solved\n",
+        "%.3f solved, answer %016llx\n",
         k, total(r) * per, total(r) / plain, instructions * each, r.bytes * each, r.edges * each, r.triangles * each,
-        r.polygons * each, r.solved * each);
+        r.polygons * each, r.solved * each, static_cast<unsigned long long>(r.checksum));
     for (const auto& [stage, cost] : r.stages)
       std::printf("      %-15s %.3f us %6.0f instructions\n", stage, cost.seconds * per, cost.instructions * each);
   }

@@ -34,8 +34,8 @@ struct ComponentTies {
   [[nodiscard]] std::uint64_t num_ways(std::uint64_t most) const;
 };
 
-/// O((T + C) log) and, for each tie, O(triangles at its place along the polygon). Empty if everything hangs on the
-/// boundary.
+/// O(T + C log C) and, for each tie, O(triangles near components that lie at its place along the polygon). Empty if
+/// everything hangs on the boundary.
 [[nodiscard]] ComponentTies find_component_ties(const PolygonProblem& problem, const PolygonGraph& graph);
 
 }  // namespace hydrotin

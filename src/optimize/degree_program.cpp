@@ -16,6 +16,7 @@ struct DegreeRule {
     std::array<std::uint32_t, 2> child_state{};
   };
   using Cell = std::vector<Entry>;  // by number of inner edges allowed at the origin
+  using Cells = WholeCells<Cell>;
 
   const PolygonGraph& graph;
   const std::vector<std::uint8_t>& closed;
@@ -23,6 +24,9 @@ struct DegreeRule {
 
   [[nodiscard]] Cell empty() const { return Cell(most + 1); }
   [[nodiscard]] Cell boundary() const { return Cell(most + 1, Entry{0, kNoEdge, {}}); }
+  [[nodiscard]] static const Entry& entry(const Cell& cell, std::uint32_t, int state) {
+    return cell[static_cast<std::size_t>(state)];
+  }
   [[nodiscard]] std::uint32_t base(std::uint32_t v) const {
     return graph.problem().base_degree.empty() ? 0 : graph.problem().base_degree[v];
   }
@@ -85,8 +89,8 @@ bool triangulate_with_degree(const PolygonGraph& graph, std::uint32_t most, cons
   const OneWay way(graph, closed);
   if (!program.run(rule, graph, way, blocked)) return false;
   triangles.clear();
-  program.read_back(rule, way,
-                    [&](std::uint32_t o, const DegreeRule::Entry&) { triangles.push_back(graph.option(o).triangle); });
+  program.read_back(
+      rule, way, [&](std::uint32_t o, const DegreeRule::Entry&) { triangles.push_back(PolygonGraph::triangle_of(o)); });
   return true;
 }
 

@@ -121,7 +121,7 @@ class Formulation {
   // Appends a row: the triangles left of e, with the given sign.
   void add_left(std::uint32_t e, double sign) {
     for (std::uint32_t o = graph_.edge(e).first_option; o != kNoEdge; o = graph_.option(o).next)
-      if (const int column = column_[graph_.option(o).triangle]; column >= 0)
+      if (const int column = column_[PolygonGraph::triangle_of(o)]; column >= 0)
         entry_.push_back({column, static_cast<int>(row_lower_.size()), sign});
   }
 

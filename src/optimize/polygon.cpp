@@ -120,7 +120,7 @@ struct PolygonSolver::Impl {
       if (!graph.edge(twin).is_boundary || graph.edge(e).first_option == kNoEdge) continue;
       double least = kInfinity;
       for (std::uint32_t o = graph.edge(e).first_option; o != kNoEdge; o = graph.option(o).next)
-        if (!blocked[graph.option(o).triangle]) least = std::min(least, score[graph.option(o).triangle]);
+        if (!blocked[PolygonGraph::triangle_of(o)]) least = std::min(least, score[PolygonGraph::triangle_of(o)]);
       bound = std::max(bound, least);
     }
     return bound;
@@ -488,7 +488,7 @@ struct PolygonSolver::Impl {
 
   [[nodiscard]] bool has_admissible(std::uint32_t e) const {
     for (std::uint32_t o = graph.edge(e).first_option; o != kNoEdge; o = graph.option(o).next)
-      if (error[graph.option(o).triangle].within_limit) return true;
+      if (error[PolygonGraph::triangle_of(o)].within_limit) return true;
     return false;
   }
 

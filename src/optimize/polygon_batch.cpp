@@ -26,10 +26,6 @@ namespace {
 constexpr std::uint8_t kServed = 1;    // some have what they want from the Delaunay triangles
 constexpr std::uint8_t kUnserved = 2;  // some have not
 
-std::uint32_t slot_of(VertexId v, std::size_t num_slots) {
-  return (v.value * 0x9e3779b1U) >> (32 - std::countr_zero(num_slots));
-}
-
 }  // namespace
 
 namespace {
@@ -198,26 +194,33 @@ BatchFigures solve_polygons(const PolygonSource& source, std::span<const std::ui
 PolygonExtractor::PolygonExtractor(const PolygonSource& source) : source_(source) {}
 
 void PolygonExtractor::make_slots(std::size_t num_vertices) {
-  slot_.assign(std::bit_ceil(2 * num_vertices), 0);
-  for (std::uint32_t number = 1; number <= vertices_.size(); ++number) {
-    std::uint32_t i = slot_of(vertices_[number - 1], slot_.size());
-    while (slot_[i] != 0) i = (i + 1) & static_cast<std::uint32_t>(slot_.size() - 1);
-    slot_[i] = number;
-  }
+  slot_.assign(std::bit_ceil(2 * num_vertices), Numbered{});
+  for (std::uint32_t number = 0; number < vertices_.size(); ++number)
+    slot_[slot_of(vertices_[number])] = {vertices_[number], number};
 }
 
-std::uint32_t PolygonExtractor::local(VertexId v) {
-  std::uint32_t i = slot_of(v, slot_.size());
-  for (; slot_[i] != 0; i = (i + 1) & static_cast<std::uint32_t>(slot_.size() - 1))
-    if (vertices_[slot_[i] - 1] == v) return slot_[i] - 1;
+// Where the vertex stands, or the free place where it would.
+inline std::size_t PolygonExtractor::slot_of(VertexId v) const {
+  const std::size_t mask = slot_.size() - 1;
+  std::size_t i = (v.value * std::uint64_t{0x9e3779b97f4a7c15U} >> 32) & mask;
+  while (slot_[i].vertex != v && !slot_[i].vertex.is_none()) i = (i + 1) & mask;
+  return i;
+}
+
+inline std::uint32_t PolygonExtractor::local(VertexId v) {
+  const Numbered& slot = slot_[slot_of(v)];
+  return slot.vertex == v ? slot.local : add_vertex(v);
+}
+
+std::uint32_t PolygonExtractor::add_vertex(VertexId v) {
+  const auto number = static_cast<std::uint32_t>(vertices_.size());
+  slot_[slot_of(v)] = {v, number};
   vertices_.push_back(v);
   position_.push_back(source_.triangulation.position[v]);
   height_.push_back(source_.height[v.value]);
-  const auto number = static_cast<std::uint32_t>(vertices_.size());
-  slot_[i] = number;
   // The triangles of a piece of a polygon may have corners in other pieces.
   if (2 * vertices_.size() > slot_.size()) make_slots(2 * vertices_.size());
-  return number - 1;
+  return number;
 }
 
 void PolygonExtractor::extract_delaunay(std::uint32_t f) {
@@ -230,6 +233,7 @@ void PolygonExtractor::extract_delaunay(std::uint32_t f) {
   delaunay_.clear();
   others_.clear();
   others_order_.clear();
+  edge_before_ = {};
   for (const TriangleId t : source_.subdivision.triangles_of(f)) {
     const HalfedgeId h = first_halfedge(t);
     delaunay_.push_back({local(tri.origin[h]), local(tri.target(h)), local(tri.apex(h))});
@@ -240,8 +244,15 @@ void PolygonExtractor::extract_delaunay(std::uint32_t f) {
   }
 }
 
+// The triangles of one edge come one after the other, their first two corners on it, and so do the edges of a vertex.
 void PolygonExtractor::add_other(const std::array<VertexId, 3>& triangle, std::uint8_t order) {
-  others_.push_back({local(triangle[0]), local(triangle[1]), local(triangle[2])});
+  const auto on_edge = [&](VertexId v) {
+    if (v == edge_before_[0].vertex) return edge_before_[0];
+    if (v == edge_before_[1].vertex) return edge_before_[1];
+    return Numbered{v, local(v)};
+  };
+  edge_before_ = {on_edge(triangle[0]), on_edge(triangle[1])};
+  others_.push_back({edge_before_[0].local, edge_before_[1].local, local(triangle[2])});
   others_order_.push_back(order);
 }
 

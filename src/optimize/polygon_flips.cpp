@@ -41,7 +41,7 @@ class Flips {
     triangles.clear();
     for (std::uint32_t e = 0; e < option_.size(); ++e) {
       if (option_[e] == kNone) continue;
-      const std::uint32_t t = graph_.option(option_[e]).triangle;
+      const std::uint32_t t = PolygonGraph::triangle_of(option_[e]);
       // Of its three directed edges the first corner's stands for the triangle.
       const auto& v = graph_.triangle(t);
       if (graph_.edge(e).origin == v[0] && graph_.edge(e).target == v[1]) triangles.push_back(t);
@@ -101,10 +101,10 @@ class Flips {
   bool flip(std::uint32_t e) {
     const auto q = quadrilateral(e);
     if (!q || !improves(*q)) return false;
-    place(graph_.option(q->left).triangle, false);
-    place(graph_.option(q->right).triangle, false);
-    place(graph_.option(q->new_left).triangle, true);
-    place(graph_.option(q->new_right).triangle, true);
+    place(PolygonGraph::triangle_of(q->left), false);
+    place(PolygonGraph::triangle_of(q->right), false);
+    place(PolygonGraph::triangle_of(q->new_left), true);
+    place(PolygonGraph::triangle_of(q->new_right), true);
     const std::uint32_t added = graph_.find(q->c, q->d);
     count_edge(e, -1);
     count_edge(added, 1);
@@ -125,7 +125,7 @@ class Flips {
 
   // Below 0: the flip improves.
   [[nodiscard]] int compare(const FlipCriterion& criterion, const Quadrilateral& q) const {
-    const auto triangle = [&](std::uint32_t o) { return graph_.option(o).triangle; };
+    const auto triangle = [&](std::uint32_t o) { return PolygonGraph::triangle_of(o); };
     const auto sign = [](const auto& after, const auto& before) {
       return after < before ? -1 : before < after ? 1 : 0;
     };

@@ -1,6 +1,7 @@
 #include "polygon_search.h"
 
 #include <algorithm>
+#include <cassert>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -112,7 +113,7 @@ bool PolygonSearch::run_counted(const PolygonCosts& costs, std::span<const std::
       if (!program.run(rule, *graph_, ways, blocked)) return false;
       program.read_back(rule, ways, [&](std::uint32_t o, const auto& entry) {
         const Option& option = graph_->option(o);
-        out.answer.triangle.push_back(option.triangle);
+        out.answer.triangle.push_back(PolygonGraph::triangle_of(o));
         if (costs.minima_slot >= 0 && rule.counts_apex(o, entry)) count(option.apex);
       });
       for (const std::uint32_t v : rule.counted_ends(program.root_cell())) count(v);
@@ -120,11 +121,14 @@ bool PolygonSearch::run_counted(const PolygonCosts& costs, std::span<const std::
       return true;
     };
     if (graph_->problem().components > 0) return in_ways(ways_);
-    closed_.assign(graph_->num_edges(), 0);
-    return in_ways(OneWay(*graph_, closed_));
+    return in_ways(OneWay(*graph_));
   });
   if (!solved || out.answer.triangle.size() != size_) return false;
-  out.answer.value = value_of(*graph_, costs, out.answer.triangle);
+  // The program counts what is served in its answer; by the wishes of the polygon and once for each vertex, it counts
+  // right.
+  const bool is_right = out.counted_twice.empty() && wishes.data() == graph_->problem().wants_lower.data();
+  assert(!is_right || out.claimed == value_of(*graph_, costs, out.answer.triangle));
+  out.answer.value = is_right ? out.claimed : value_of(*graph_, costs, out.answer.triangle);
   return true;
 }
 

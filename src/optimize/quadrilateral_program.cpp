@@ -60,6 +60,7 @@ double quadrilateral_value(const PolygonGraph& graph, const PolygonOptions& opti
 // Fills the states of the options of one edge after another; the cells of the edges hold nothing.
 struct QuadrilateralProgram::Rule {
   using Cell = QuadrilateralProgram::Cell;
+  using Cells = WholeCells<Cell>;
 
   const PolygonGraph& graph;
   const PolygonOptions& options;
@@ -120,7 +121,7 @@ struct QuadrilateralProgram::Rule {
     const Option& option = graph.option(o);
     const std::uint32_t i = graph.edge(option.left_child).origin, j = graph.edge(option.right_child).target;
     State& s = state[o];
-    s.value = {neutral(), graph.foreign_sides(option.triangle)};
+    s.value = {neutral(), graph.foreign_sides(PolygonGraph::triangle_of(o))};
     s.possible =
         best_beyond(option.left_child, j, s.value, s.left) && best_beyond(option.right_child, i, s.value, s.right);
   }
@@ -158,17 +159,16 @@ bool QuadrilateralProgram::run(const PolygonGraph& graph, const PolygonOptions& 
     pass(rule, graph, blocked, closed);
   }
   triangles.clear();
-  read_back(best_, graph, triangles);
+  read_back(best_, triangles);
   return true;
 }
 
-void QuadrilateralProgram::read_back(std::uint32_t root_option, const PolygonGraph& graph,
-                                     std::vector<std::uint32_t>& triangles) const {
+void QuadrilateralProgram::read_back(std::uint32_t root_option, std::vector<std::uint32_t>& triangles) const {
   std::vector<std::uint32_t> trail{root_option};
   while (!trail.empty()) {
     const std::uint32_t o = trail.back();
     trail.pop_back();
-    triangles.push_back(graph.option(o).triangle);
+    triangles.push_back(PolygonGraph::triangle_of(o));
     for (const std::uint32_t child : {state_[o].left, state_[o].right})
       if (child != kNoEdge) trail.push_back(child);
   }

@@ -52,7 +52,7 @@ class QuadrilateralProgram {
 
   bool pass(Rule& rule, const PolygonGraph& graph, const std::vector<std::uint8_t>& blocked,
             const std::vector<std::uint8_t>& closed);
-  void read_back(std::uint32_t root_option, const PolygonGraph& graph, std::vector<std::uint32_t>& triangles) const;
+  void read_back(std::uint32_t root_option, std::vector<std::uint32_t>& triangles) const;
 
   std::vector<State> state_;  // by option
   std::uint32_t best_ = kNoEdge;

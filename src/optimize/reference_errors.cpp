@@ -78,7 +78,7 @@ class Flood {
 
   [[nodiscard]] std::uint32_t delaunay_left_of(std::uint32_t e) const {
     for (std::uint32_t o = graph_.edge(e).first_option; o != kNoEdge; o = graph_.option(o).next)
-      if (graph_.option(o).triangle < graph_.problem().delaunay.size()) return graph_.option(o).triangle;
+      if (PolygonGraph::triangle_of(o) < graph_.problem().delaunay.size()) return PolygonGraph::triangle_of(o);
     return kNoEdge;
   }
 

@@ -38,7 +38,32 @@ struct SumRule {
 
     [[nodiscard]] bool possible() const { return option != kImpossible; }
   };
-  using Cell = std::array<Entry, States>;
+
+  /// The entries of each cell one after the other, by `index_of`: those of the states that its edge is asked for.
+  class Cells {
+   public:
+    void clear(std::size_t about) {
+      entry_.clear();
+      entry_.reserve(about + about / 4);
+    }
+    std::uint32_t add(const SumRule& rule, std::uint32_t e) { return add(num_entries(rule.graph.edge(e).wishes)); }
+    std::uint32_t add_end(const SumRule&) {
+      const std::uint32_t place = add(States);
+      entry_[place].option = kNoEdge;
+      return place;
+    }
+    [[nodiscard]] Entry* at(std::uint32_t place) { return entry_.data() + place; }
+    [[nodiscard]] const Entry* at(std::uint32_t place) const { return entry_.data() + place; }
+
+   private:
+    std::uint32_t add(std::size_t count) {
+      const auto place = static_cast<std::uint32_t>(entry_.size());
+      for (std::size_t i = 0; i < count; ++i) entry_.emplace_back();
+      return place;
+    }
+
+    std::vector<Entry> entry_;
+  };
 
   const PolygonProblem& problem;
   const PolygonGraph& graph;
@@ -46,26 +71,23 @@ struct SumRule {
   std::span<const std::uint8_t> wishes;  ///< [n] as `wants_lower`
   int gain_slot = 0;
 
-  [[nodiscard]] static Cell empty() { return {}; }
-  [[nodiscard]] static Cell boundary() {
-    Cell cell{};
-    cell[0].option = kNoEdge;
-    return cell;
+  [[nodiscard]] const Entry& entry(const Entry* cell, std::uint32_t e, int state) const {
+    return cell[index_of(graph.edge(e).wishes, static_cast<unsigned>(state))];
   }
 
-  void improve(Cell& cell, std::uint32_t o, const Cell& left, const Cell& right, std::uint32_t way = 0) const {
+  void improve(Entry* cell, std::uint32_t o, const Entry* left, const Entry* right, std::uint32_t way = 0) const {
     if constexpr (States == 1) {
-      offer(cell[0], o, left[0], right[0], 0, {0, 0}, way);
+      offer(cell[0], o, left[0], right[0], cost_of(o), {0, 0}, way);
     } else {
       improve_states(cell, o, left, right, way);
     }
   }
 
-  [[nodiscard]] int best_state(const Cell& cell) const { return best_of(cell).first; }
+  [[nodiscard]] int best_state(const Entry* cell) const { return best_of(cell).first; }
 
   /// The value of the whole answer. Where a vertex stands on the boundary twice, it may be counted twice: then the
   /// answer is worth less.
-  [[nodiscard]] SlotValues best_value(const Cell& root) const {
+  [[nodiscard]] SlotValues best_value(const Entry* root) const {
     const Value value = best_of(root).second;
     SlotValues out{};
     if constexpr (kPacked) {
@@ -87,7 +109,7 @@ struct SumRule {
   }
 
   /// The ends of the root that are counted as served in the answer of the whole polygon.
-  [[nodiscard]] std::vector<std::uint32_t> counted_ends(const Cell& root) const {
+  [[nodiscard]] std::vector<std::uint32_t> counted_ends(const Entry* root) const {
     const int state = best_state(root);
     const PolygonEdge& edge = graph.edge(graph.root());
     std::vector<std::uint32_t> out;
@@ -97,13 +119,15 @@ struct SumRule {
   }
 
  private:
-  [[nodiscard]] std::pair<int, Value> best_of(const Cell& cell) const {
+  [[nodiscard]] std::pair<int, Value> best_of(const Entry* cell) const {
     int best = -1;
     Value best_value{};
+    const std::uint8_t asked = graph.edge(graph.root()).wishes;
     for (int state = 0; state < States; ++state) {
-      const Entry& entry = cell[static_cast<std::size_t>(state)];
-      if (!entry.possible()) continue;
-      Value value = entry.value;
+      if (static_cast<unsigned>(state) & ~unsigned{asked}) continue;
+      const Entry& way = entry(cell, graph.root(), state);
+      if (!way.possible()) continue;
+      Value value = way.value;
       if constexpr (States == 4) {
         const PolygonEdge& root = graph.edge(graph.root());
         if (state & 1) value[slot()] -= kGain[wishes[root.origin]];
@@ -116,6 +140,15 @@ struct SumRule {
     return {best, best_value};
   }
 
+  // Of states in which an end has to get what it does not wish for nobody asks.
+  static constexpr std::uint8_t kBothWish = PolygonEdge::kOriginWishes | PolygonEdge::kTargetWishes;
+  [[nodiscard]] static constexpr std::size_t num_entries(std::uint8_t wishes) {
+    return States == 1 ? 1 : wishes == kBothWish ? 4 : wishes != 0 ? 2 : 1;
+  }
+  [[nodiscard]] static constexpr std::size_t index_of(std::uint8_t wishes, unsigned state) {
+    return wishes == kBothWish ? state : state != 0;
+  }
+
   [[nodiscard]] std::size_t slot() const { return static_cast<std::size_t>(gain_slot); }
 
   [[nodiscard]] bool serves_apex(const Option& option) const {
@@ -124,52 +157,64 @@ struct SumRule {
     return (!el.is_boundary && !el.goes_down) || (!er.is_boundary && er.goes_down);
   }
 
-  void improve_states(Cell& cell, std::uint32_t o, const Cell& left, const Cell& right, std::uint32_t way) const {
+  void improve_states(Entry* cell, std::uint32_t o, const Entry* left, const Entry* right, std::uint32_t way) const {
     const Option& option = graph.option(o);
     const PolygonEdge& el = graph.edge(option.left_child);   // i -> q
     const PolygonEdge& er = graph.edge(option.right_child);  // q -> j
-    // Of states in which an end has to get what it does not wish for nobody asks.
-    const unsigned asked = (el.wishes & PolygonEdge::kOriginWishes) | (er.wishes & PolygonEdge::kTargetWishes);
-    const bool inner_l = !el.is_boundary, inner_r = !er.is_boundary;
-    const bool i_served = inner_l && el.goes_down, j_served = inner_r && !er.goes_down;
-    const bool q_served = serves_apex(option);
-    const bool q_wishes = el.wishes & PolygonEdge::kTargetWishes;
-    const Scalar q_gain = q_wishes ? kGain[wishes[option.apex]] : Scalar{0};
-    for (unsigned state = 0; state < 4; ++state) {
-      if (state & ~asked) continue;
-      const unsigned need_i = (state & 1U) && !i_served, need_j = (state & 2U) && !j_served;
-      const auto offer_states = [&](unsigned q_left, unsigned q_right, Scalar served) {
+    const Value own = cost_of(o);
+    if ((el.wishes | er.wishes) == 0) return offer(cell[0], o, left[0], right[0], own, {0, 0}, way);
+    const bool q_wishes = el.wishes & PolygonEdge::kTargetWishes, q_served = q_wishes && serves_apex(option);
+    Value with_q = own;
+    if (q_wishes) with_q[slot()] -= kGain[wishes[option.apex]];
+    const std::uint8_t asked = (el.wishes & PolygonEdge::kOriginWishes) | (er.wishes & PolygonEdge::kTargetWishes);
+    const auto offer_states = [&](unsigned state, unsigned need_i, unsigned need_j) {
+      const auto offer_q = [&](unsigned q_left, unsigned q_right, const Value& value) {
         const unsigned sl = need_i | q_left << 1U, sr = q_right | need_j << 1U;
-        offer(cell[state], o, left[sl], right[sr], served,
+        offer(cell[index_of(asked, state)], o, left[index_of(el.wishes, sl)], right[index_of(er.wishes, sr)], value,
               {static_cast<std::uint8_t>(sl), static_cast<std::uint8_t>(sr)}, way);
       };
-      offer_states(0, 0, q_served ? q_gain : Scalar{0});
+      offer_q(0, 0, q_served ? with_q : own);
       if (q_wishes && !q_served) {
-        offer_states(1, 0, q_gain);
-        offer_states(0, 1, q_gain);
+        offer_q(1, 0, with_q);
+        offer_q(0, 1, with_q);
       }
+    };
+    offer_states(0, 0, 0);
+    if (asked == 0) return;
+    const bool i_served = !el.is_boundary && el.goes_down, j_served = !er.is_boundary && !er.goes_down;
+    for (unsigned state = 1; state < 4; ++state)
+      if ((state & ~unsigned{asked}) == 0) offer_states(state, (state & 1U) && !i_served, (state & 2U) && !j_served);
+  }
+
+  [[nodiscard]] bool is_better(const Value& value, std::uint32_t o, const Entry& entry) const {
+    // One number is compared as such: arrays would be compared byte by byte.
+    if constexpr (Slots == 1) {
+      if (value[0] != entry.value[0]) return value[0] < entry.value[0];
+    } else {
+      if (value != entry.value) return value < entry.value;
     }
+    const auto at = [&](std::uint32_t option) { return problem.position[graph.option(option).apex]; };
+    return entry.option != o && at(o) < at(entry.option);
   }
 
-  [[nodiscard]] Scalar cost(std::uint32_t triangle, std::size_t s) const {
-    if constexpr (kPacked) return graph.foreign_sides(triangle);
-    if (static_cast<int>(s) < costs.num_slots) return static_cast<Scalar>(costs.of(triangle, static_cast<int>(s)));
-    return 0;
+  [[nodiscard]] Value cost_of(std::uint32_t o) const {
+    const std::uint32_t t = PolygonGraph::triangle_of(o);
+    Value value{};
+    if constexpr (kPacked)
+      value[0] = graph.foreign_sides(t);
+    else
+      for (int s = 0; s < std::min(Slots, costs.num_slots); ++s)
+        value[static_cast<std::size_t>(s)] = static_cast<Scalar>(costs.of(t, s));
+    return value;
   }
 
-  void offer(Entry& entry, std::uint32_t o, const Entry& left, const Entry& right, Scalar served,
+  // A way with the given children, where the triangle and what it serves are worth `own`.
+  void offer(Entry& entry, std::uint32_t o, const Entry& left, const Entry& right, const Value& own,
              std::array<std::uint8_t, 2> child_state, std::uint32_t way) const {
     if (!left.possible() || !right.possible()) return;
-    const Option& option = graph.option(o);
     Value value;
-    for (std::size_t s = 0; s < Slots; ++s) value[s] = left.value[s] + right.value[s] + cost(option.triangle, s);
-    if constexpr (States == 4) value[slot()] -= served;
-    if (entry.possible()) {
-      if (entry.value < value) return;
-      if (entry.value == value &&
-          (entry.option == o || !(problem.position[option.apex] < problem.position[graph.option(entry.option).apex])))
-        return;
-    }
+    for (std::size_t s = 0; s < Slots; ++s) value[s] = left.value[s] + right.value[s] + own[s];
+    if (entry.possible() && !is_better(value, o, entry)) return;
     // One by one: a whole made on the stack would be copied before its parts have arrived there.
     entry.value = value;
     entry.option = o;

@@ -10,9 +10,9 @@ namespace hydrotin {
 bool TieWays::build(const PolygonProblem& problem, const PolygonGraph& graph, const ComponentTies& ties,
                     std::uint64_t most_ways, std::uint64_t most_visits) {
   graph_ = &graph;
-  component_ = ties.component;
+  component_.assign(ties.component.begin(), ties.component.end());
   if (!list_chains(graph, ties, std::min<std::uint64_t>(most_ways, kMostWays))) return false;
-  if (!make_cells(most_visits)) return false;
+  if (!make_cuts(most_visits) || !make_cells(most_visits)) return false;
   mark_cuts(ties);
   mark_cells(problem, ties);
   return true;
@@ -48,34 +48,50 @@ bool TieWays::list_chains(const PolygonGraph& graph, const ComponentTies& ties, 
   return true;
 }
 
-bool TieWays::make_cells(std::uint64_t most_visits) {
+bool TieWays::make_cuts(std::uint64_t most_visits) {
+  const std::uint32_t num_triangles = graph_->num_triangles();
   const auto count = [&](std::uint32_t v) { return std::uint64_t{num_chains(v)}; };
   visits_ = 0;
-  cut_begin_.assign(3 * std::size_t{graph_->num_triangles()}, kNoEdge);
-  std::uint64_t num_cuts = 0, num_cells = 0;
-  for (std::uint32_t t = 0; t < graph_->num_triangles(); ++t) {
+  touches_.assign(num_triangles, 0);
+  cut_begin_.resize(3 * std::size_t{num_triangles});
+  std::uint64_t num_cuts = 0;
+  for (std::uint32_t t = 0; t < num_triangles; ++t) {
     const auto& v = graph_->triangle(t);
+    if ((component_[v[0]] & component_[v[1]] & component_[v[2]]) == kNoEdge) {
+      ++visits_;
+      continue;
+    }
+    touches_[t] = 1;
     visits_ += count(v[0]) * count(v[1]) * count(v[2]);
     if (visits_ > most_visits) return false;
     for (std::size_t i = 0; i < 3; ++i) {
-      if (component_[v[i]] == kNoEdge) continue;
-      cut_begin_[3 * std::size_t{t} + i] = static_cast<std::uint32_t>(num_cuts);
-      num_cuts += count(v[i]);
+      const bool is_tied = component_[v[i]] != kNoEdge;
+      cut_begin_[3 * std::size_t{t} + i] = is_tied ? static_cast<std::uint32_t>(num_cuts) : kNoEdge;
+      if (is_tied) num_cuts += count(v[i]);
     }
   }
   cut_.assign(num_cuts, false);
-  first_cell_.assign(1, 0);
-  for (std::uint32_t e = 0; e < graph_->num_edges(); ++e) {
-    num_cells += count(graph_->edge(e).origin) * count(graph_->edge(e).target);
-    if (num_cells > most_visits || num_cells > std::numeric_limits<std::uint32_t>::max()) return false;
-    first_cell_.push_back(static_cast<std::uint32_t>(num_cells));
-  }
+  return visits_ <= most_visits;
+}
+
+bool TieWays::make_cells(std::uint64_t most_visits) {
+  num_edges_ = graph_->num_edges();
+  std::uint64_t num_cells = 0;
+  first_cell_.resize(num_edges_);
   place_.clear();
-  place_.reserve(num_cells);
-  for (std::uint32_t e = 0; e < graph_->num_edges(); ++e)
-    for (std::uint32_t i = 0; i < num_chains(graph_->edge(e).origin); ++i)
-      for (std::uint32_t j = 0; j < num_chains(graph_->edge(e).target); ++j)
+  num_cells += num_edges_;
+  if (num_cells > most_visits) return false;
+  for (std::uint32_t e = 0; e < num_edges_; ++e) {
+    const std::uint32_t a = graph_->edge(e).origin, b = graph_->edge(e).target;
+    if (!is_tied(a, b)) continue;
+    const std::uint32_t at_a = num_chains(a), at_b = num_chains(b);
+    num_cells += std::uint64_t{at_a} * at_b - 1;
+    if (num_cells > most_visits || num_edges_ + num_cells > std::numeric_limits<std::uint32_t>::max()) return false;
+    first_cell_[e] = num_edges_ + static_cast<std::uint32_t>(place_.size());
+    for (std::uint32_t i = 0; i < at_a; ++i)
+      for (std::uint32_t j = 0; j < at_b; ++j)
         place_.push_back({e, static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j)});
+  }
   return true;
 }
 

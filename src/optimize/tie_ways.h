@@ -36,35 +36,49 @@ class TieWays {
   /// At most as many triangles with their chains a program looks at.
   [[nodiscard]] std::uint64_t num_visits() const { return visits_; }
 
-  [[nodiscard]] std::uint32_t num_cells() const { return first_cell_.back(); }
+  [[nodiscard]] std::uint32_t num_cells() const { return num_edges_ + static_cast<std::uint32_t>(place_.size()); }
   /// The cell of an edge between places on the outer boundary.
-  [[nodiscard]] std::uint32_t chord(std::uint32_t e) const { return first_cell_[e]; }
-  [[nodiscard]] std::uint32_t edge_of(std::uint32_t c) const { return place_[c].edge; }
-  [[nodiscard]] bool is_end(std::uint32_t c) const { return kind_[c] == Kind::end; }
+  [[nodiscard]] std::uint32_t chord(std::uint32_t e) const { return cell(e, 0, 0); }
+  [[nodiscard]] std::uint32_t edge_of(std::uint32_t c) const { return is_plain(c) ? c : place_[c - num_edges_].edge; }
+  [[nodiscard]] bool is_end(std::uint32_t c) const {
+    return is_plain(c) ? graph_->edge(c).is_boundary : kind_[c - num_edges_] == Kind::end;
+  }
 
-  [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> children(std::uint32_t c, const Option& option,
+  [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> children(std::uint32_t c, std::uint32_t o,
                                                                  std::uint32_t way) const {
-    return {cell(option.left_child, place_[c].at_origin, way), cell(option.right_child, way, place_[c].at_target)};
+    const Option& option = graph_->option(o);
+    if (!touches_[PolygonGraph::triangle_of(o)]) return {option.left_child, option.right_child};
+    return children_at_components(c, option, way);
   }
 
   template <class Visit>
   void for_ways(std::uint32_t c, std::uint32_t o, Visit visit) const {
     const Option& option = graph_->option(o);
-    const Place& place = place_[c];
-    const std::uint32_t t = option.triangle, side = o - PolygonGraph::option_on(t, 0);
-    if (is_cut(t, side, place.at_origin) || is_cut(t, (side + 1) % 3, place.at_target)) return;
-    const std::uint32_t count = num_chains(option.apex);
-    for (std::uint32_t way = 0; way < count; ++way) {
-      const auto [left, right] = children(c, option, way);
-      if (kind_[left] != Kind::unfit && kind_[right] != Kind::unfit && !is_cut(t, (side + 2) % 3, way)) visit(way);
-    }
+    if (!touches_[PolygonGraph::triangle_of(o)]) return visit(0U, option.left_child, option.right_child);
+    for_ways_at_components(c, o, option, visit);
   }
 
  private:
+  [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> children_at_components(std::uint32_t c, const Option& option,
+                                                                               std::uint32_t way) const {
+    return {cell(option.left_child, at_origin(c), way), cell(option.right_child, way, at_target(c))};
+  }
+
   enum class Kind : std::uint8_t { open, end, unfit };  ///< unfit: the chains of its ends exclude each other
   struct Chain {
     std::uint32_t tie, rest;  ///< the first tie, and the chain where it ends, or kNoEdge on the outer boundary
   };
+
+  template <class Visit>
+  void for_ways_at_components(std::uint32_t c, std::uint32_t o, const Option& option, Visit visit) const {
+    const std::uint32_t t = PolygonGraph::triangle_of(o), side = o - PolygonGraph::option_on(t, 0);
+    if (is_cut(t, side, at_origin(c)) || is_cut(t, (side + 1) % 3, at_target(c))) return;
+    const std::uint32_t count = num_chains(option.apex);
+    for (std::uint32_t way = 0; way < count; ++way) {
+      const auto [left, right] = children_at_components(c, option, way);
+      if (!is_unfit(left) && !is_unfit(right) && !is_cut(t, (side + 2) % 3, way)) visit(way, left, right);
+    }
+  }
 
   /// Where a cell is: its edge, and the chains that its ends have.
   struct Place {
@@ -78,15 +92,30 @@ class TieWays {
     return c == kNoEdge ? 1 : chain_begin_[c + 1] - chain_begin_[c];
   }
   [[nodiscard]] std::uint32_t cell(std::uint32_t e, std::uint32_t at_origin, std::uint32_t at_target) const {
+    if (!is_tied(graph_->edge(e).origin, graph_->edge(e).target)) return e;
     return first_cell_[e] + at_origin * num_chains(graph_->edge(e).target) + at_target;
   }
-  /// Whether a chain of its corner cuts a triangle.
+  /// Whether one of two vertices is on a component.
+  [[nodiscard]] bool is_tied(std::uint32_t a, std::uint32_t b) const {
+    return (component_[a] & component_[b]) != kNoEdge;
+  }
+  /// Whether it is the only cell of an edge, which has its number.
+  [[nodiscard]] bool is_plain(std::uint32_t c) const { return c < num_edges_; }
+  [[nodiscard]] std::uint32_t at_origin(std::uint32_t c) const {
+    return is_plain(c) ? 0 : place_[c - num_edges_].at_origin;
+  }
+  [[nodiscard]] std::uint32_t at_target(std::uint32_t c) const {
+    return is_plain(c) ? 0 : place_[c - num_edges_].at_target;
+  }
+  [[nodiscard]] bool is_unfit(std::uint32_t c) const { return !is_plain(c) && kind_[c - num_edges_] == Kind::unfit; }
+  /// Whether a chain of its corner cuts a triangle. Precondition: the triangle touches a component.
   [[nodiscard]] bool is_cut(std::uint32_t t, std::uint32_t corner, std::uint32_t number) const {
     const std::uint32_t begin = cut_begin_[3 * std::size_t{t} + corner];
     return begin != kNoEdge && cut_[begin + number];
   }
 
   bool list_chains(const PolygonGraph& graph, const ComponentTies& ties, std::uint64_t most);
+  bool make_cuts(std::uint64_t most_visits);
   bool make_cells(std::uint64_t most_visits);
   void mark_cuts(const ComponentTies& ties);
   void mark_cells(const PolygonProblem& problem, const ComponentTies& ties);
@@ -98,10 +127,13 @@ class TieWays {
   std::vector<std::uint32_t> component_;    ///< [n] of the vertices
   std::vector<std::uint32_t> chain_begin_;  ///< [components + 1]
   std::vector<Chain> chain_;
-  std::vector<std::uint32_t> first_cell_;  ///< [edges + 1]
-  std::vector<Place> place_;               ///< [cells]
-  std::vector<Kind> kind_;                 ///< [cells]
-  std::vector<std::uint32_t> cut_begin_;   ///< [3 triangles] by corner; kNoEdge: on the outer boundary
+  std::vector<std::uint8_t> touches_;  ///< [triangles] a component
+  // Edges between places on the outer boundary have a cell each, with their own numbers; then come those of the others.
+  std::uint32_t num_edges_ = 0;
+  std::vector<std::uint32_t> first_cell_;  ///< [edges] of those with an end on a component
+  std::vector<Place> place_;               ///< [cells beyond these]
+  std::vector<Kind> kind_;                 ///< [cells beyond these]
+  std::vector<std::uint32_t> cut_begin_;   ///< [3 triangles] by corner, if they touch; kNoEdge: on the outer boundary
   std::vector<bool> cut_;                  ///< by corner of a triangle, then chain of its component
   std::uint64_t visits_ = 0;
 };

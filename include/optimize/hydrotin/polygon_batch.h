@@ -87,7 +87,13 @@ class PolygonExtractor {
   [[nodiscard]] std::span<const VertexId> vertices() const { return vertices_; }
 
  private:
+  struct Numbered {
+    VertexId vertex{};
+    std::uint32_t local = 0;
+  };
+  [[nodiscard]] std::size_t slot_of(VertexId v) const;
   std::uint32_t local(VertexId v);
+  std::uint32_t add_vertex(VertexId v);
   void add_reference(std::uint32_t f);
   void make_slots(std::size_t num_vertices);
   void extract_delaunay(std::uint32_t f);
@@ -96,7 +102,8 @@ class PolygonExtractor {
 
   const PolygonSource& source_;
   PolygonProblem problem_;
-  std::vector<std::uint32_t> slot_;  // open addressing: local number + 1, or 0
+  std::vector<Numbered> slot_;             // open addressing
+  std::array<Numbered, 2> edge_before_{};  // the first two corners of the triangle before
   std::vector<VertexId> vertices_;
   std::vector<LatticePoint> position_;
   std::vector<std::int32_t> height_;

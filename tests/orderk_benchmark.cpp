@@ -194,19 +194,41 @@ Executor on_threads(int num_workers) {
   };
 }
 
-// Polygons with components go apart: what they cost depends on how few or many there are.
-void solve_all(const PolygonSource& source, std::span<const std::uint8_t> to_solve, const UsefulEdges& edges,
-               const EdgesByPolygon& edges_of, const Executor& executor, std::span<std::array<VertexId, 3>> answer) {
-  struct Tools {
-    PolygonExtractor extractor;
-    PolygonSolver solver;
-  };
-  Pool<Tools> pool([&] {
+struct Tools {
+  PolygonExtractor extractor;
+  PolygonSolver solver;
+};
+
+Pool<Tools> tools_for(const PolygonSource& source) {
+  return Pool<Tools>([&source] {
     return std::make_unique<Tools>(Tools{PolygonExtractor(source), PolygonSolver(PolygonOptions{})});
   });
+}
+
+// Polygons with components go apart: what they cost depends on how few or many there are.
+void solve_plain(const PolygonSource& source, std::span<const std::uint8_t> to_solve, const UsefulEdges& edges,
+                 const EdgesByPolygon& edges_of, const Executor& executor, std::span<std::array<VertexId, 3>> answer) {
+  Pool<Tools> pool = tools_for(source);
   for_ranges(executor, source.subdivision.size(), 512, [&](std::uint32_t begin, std::uint32_t end) {
     const auto tools = pool.lend();
     solve_polygons(source, to_solve, edges, edges_of, begin, end, tools->extractor, tools->solver, answer);
+  });
+}
+
+// One by one, the largest first: a few of them may hold most of the work.
+void solve_hard(const PolygonSource& source, std::span<const std::uint8_t> to_solve, const UsefulEdges& edges,
+                const EdgesByPolygon& edges_of, const Executor& executor, std::span<std::array<VertexId, 3>> answer) {
+  std::vector<std::uint32_t> polygon;
+  for (std::uint32_t f = 0; f < to_solve.size(); ++f)
+    if (to_solve[f]) polygon.push_back(f);
+  std::stable_sort(polygon.begin(), polygon.end(), [&](std::uint32_t f, std::uint32_t g) {
+    return source.subdivision.triangles_of(f).size() > source.subdivision.triangles_of(g).size();
+  });
+  Pool<Tools> pool = tools_for(source);
+  executor(static_cast<std::uint32_t>(polygon.size()), [&](std::uint32_t i) {
+    const auto tools = pool.lend();
+    const std::uint32_t f = polygon[i];
+    solve_polygons(source, to_solve, edges, edges_of, f, f + 1, tools->extractor, tools->solver, answer);
   });
 }
 
@@ -239,12 +261,9 @@ Report run(const TriangulationView& tri, const VertexLinks& links, std::span<con
   std::vector<std::uint8_t> hard(subdivision.size());
   for (std::uint32_t f = 0; f < subdivision.size(); ++f)
     if (to_solve[f] && subdivision.components[f] > 0) std::swap(hard[f], to_solve[f]);
-  solve_all(source, to_solve, edges, polygon_edges, executor, answer);
+  solve_plain(source, to_solve, edges, polygon_edges, executor, answer);
   done("polygons");
-  PolygonExtractor extractor(source);
-  PolygonSolver solver({});
-  for (std::uint32_t f = 0; f < subdivision.size(); ++f)
-    if (hard[f]) solve_polygons(source, hard, edges, polygon_edges, f, f + 1, extractor, solver, answer);
+  solve_hard(source, hard, edges, polygon_edges, executor, answer);
   done("components");
   report.solved = static_cast<std::uint32_t>(std::count(to_solve.begin(), to_solve.end(), 1) +
                                              std::count(hard.begin(), hard.end(), 1));

@@ -8,7 +8,9 @@
 #include "block_index.h"
 #include "river_input.h"
 #include "river_need.h"
+#include "store_arrays.h"
 #include "terrain_file.h"
+#include "triangle_runs.h"
 #include "whole_array.h"
 
 namespace hydrotin {
@@ -16,9 +18,7 @@ namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-[[noreturn]] void contradicts(const std::string& path, const std::string& what) {
-  throw Error(ErrorKind::storage, path + ": " + what + "; delete the scratch folder and run again");
-}
+using store::contradicts;
 
 struct Vertex {
   LatticePoint position;
@@ -34,57 +34,23 @@ struct Share {
   std::vector<std::uint8_t> is_hull_edge;
 };
 
-// Some of the vertices of a file, by ascending number, in stretches without wide gaps.
 void read_vertices(const store::Reader& in, std::span<const std::uint32_t> number, Share& out) {
-  constexpr std::uint32_t kGap = 16384;  // a chunk of the store is read whole anyway
-  for (std::size_t first = 0; first < number.size();) {
-    std::size_t last = first + 1;
-    while (last < number.size() && number[last] - number[last - 1] <= kGap) ++last;
-    const std::uint64_t begin = number[first], count = std::uint64_t{number[last - 1]} + 1 - begin;
+  for_stretches(number, kVertexGap, [&](std::uint64_t begin, std::uint64_t count, std::span<const std::uint32_t> some) {
     const auto point = in.read_range<std::uint64_t>("point", begin, count);
     const auto xyz = in.read_range<std::int32_t>("xyz", 3 * begin, 3 * count);
     const auto outlet = in.read_range<std::uint8_t>("outlet", begin, count);
-    for (; first < last; ++first) {
-      const std::size_t i = number[first] - begin;
+    for (const std::uint32_t v : some) {
+      const std::size_t i = v - begin;
       out.vertex.push_back({{xyz[3 * i], xyz[3 * i + 1]}, point[i], xyz[3 * i + 2], outlet[i]});
     }
-  }
-}
-
-// The triangles of one file that meet the cells, still over the vertices of the file.
-std::vector<std::uint32_t> read_runs(const store::Reader& in, const CellGrid& grid, std::span<const Cell> cells,
-                                     std::uint64_t num_vertices) {
-  const auto boxes = unflatten(in.read<std::int32_t>("triangle_box"));
-  const std::uint64_t size = in.size("triangle");
-  if (size % 3 != 0 || boxes.size() != (size / 3 + kRunTriangles - 1) / kRunTriangles)
-    contradicts(in.path(), "its arrays have different lengths");
-  constexpr std::uint64_t kRun = std::uint64_t{3} * kRunTriangles;
-  std::vector<std::uint32_t> triangle;
-  for (std::size_t first = 0; first < boxes.size(); ++first) {
-    if (!meets(boxes[first], grid, cells)) continue;
-    std::size_t last = first + 1;
-    while (last < boxes.size() && meets(boxes[last], grid, cells)) ++last;
-    const std::uint64_t begin = first * kRun, end = std::min<std::uint64_t>(last * kRun, size);
-    const auto piece = in.read_range<std::uint32_t>("triangle", begin, end - begin);
-    triangle.insert(triangle.end(), piece.begin(), piece.end());
-    first = last;
-  }
-  if (std::any_of(triangle.begin(), triangle.end(), [&](std::uint32_t v) { return v >= num_vertices; }))
-    contradicts(in.path(), "a triangle refers to a vertex that is not listed");
-  return triangle;
+  });
 }
 
 Share read_share(const store::Reader& in, const CellGrid& grid, std::span<const Cell> cells) {
   const std::uint64_t n = in.size("point");
   if (in.size("xyz") != 3 * n || in.size("outlet") != n) contradicts(in.path(), "its arrays have different lengths");
-  std::vector<std::uint32_t> triangle = read_runs(in, grid, cells, n);
-  std::vector<std::uint32_t> number(n, kNone), used;
-  for (const std::uint32_t v : triangle) number[v] = 0;
-  for (std::uint32_t v = 0; v < n; ++v) {
-    if (number[v] == kNone) continue;
-    number[v] = static_cast<std::uint32_t>(used.size());
-    used.push_back(v);
-  }
+  const std::vector<std::uint32_t> triangle = read_triangle_runs(in, grid, cells);
+  const auto [used, number] = number_used(triangle, n);
   const auto hull = in.read<std::uint32_t>("hull_edge");
   std::vector<std::pair<std::uint32_t, std::uint32_t>> hull_edge;
   for (std::size_t i = 0; i + 1 < hull.size(); i += 2) hull_edge.emplace_back(hull[i], hull[i + 1]);

@@ -14,8 +14,9 @@
 
 namespace hydrotin::store {
 
-[[noreturn]] inline void contradicts(const std::string& path) {
-  throw Error(ErrorKind::storage, path + ": its arrays contradict each other; delete the scratch folder and run again");
+[[noreturn]] inline void contradicts(const std::string& path,
+                                     const std::string& what = "its arrays contradict each other") {
+  throw Error(ErrorKind::storage, path + ": " + what + "; delete the scratch folder and run again");
 }
 
 /// `size` elements.

@@ -9,73 +9,40 @@
 #include "hydrotin/spill_tree.h"
 #include "kept_pits.h"
 #include "reduced_store.h"
+#include "store_arrays.h"
 #include "terrain_file.h"
+#include "triangle_runs.h"
 
 namespace hydrotin {
 namespace {
 
-[[noreturn]] void contradicts(const std::string& path, const std::string& what) {
-  throw Error(ErrorKind::storage, path + ": " + what + "; delete the scratch folder and run again");
-}
+using store::contradicts;
 
-// Some of the vertices of a file, by ascending number, in stretches without wide gaps.
 void read_vertices(const store::Reader& in, std::span<const std::uint32_t> number, Surface& out) {
-  constexpr std::uint32_t kGap = 16384;  // a chunk of the store is read whole anyway
-  for (std::size_t first = 0; first < number.size();) {
-    std::size_t last = first + 1;
-    while (last < number.size() && number[last] - number[last - 1] <= kGap) ++last;
-    const std::uint64_t begin = number[first], count = std::uint64_t{number[last - 1]} + 1 - begin;
+  for_stretches(number, kVertexGap, [&](std::uint64_t begin, std::uint64_t count, std::span<const std::uint32_t> some) {
     const auto point = in.read_range<std::uint64_t>("point", begin, count);
     const auto xyz = in.read_range<std::int32_t>("xyz", 3 * begin, 3 * count);
     const auto level = in.read_range<std::int32_t>("level", begin, count);
     const auto outlet = in.read_range<std::uint8_t>("outlet", begin, count);
-    for (; first < last; ++first) {
-      const std::size_t i = number[first] - begin;
+    for (const std::uint32_t v : some) {
+      const std::size_t i = v - begin;
       out.point.push_back(point[i]);
       out.position.push_back({xyz[3 * i], xyz[3 * i + 1]});
       out.height.push_back(xyz[3 * i + 2]);
       out.level.push_back(level[i]);
       out.is_outlet.push_back(outlet[i]);
     }
-  }
+  });
 }
 
 // The triangles of one file with a corner in the cells, over their own vertices.
 Surface read_share(const store::Reader& in, const CellGrid& grid, std::span<const Cell> cells) {
   Surface out;
-  const auto boxes = unflatten(in.read<std::int32_t>("triangle_box"));
-  const std::uint64_t size = in.size("triangle"), n = in.size("point");
-  if (size % 3 != 0 || boxes.size() != (size / 3 + kRunTriangles - 1) / kRunTriangles || in.size("xyz") != 3 * n ||
-      in.size("level") != n || in.size("outlet") != n)
+  const std::uint64_t n = in.size("point");
+  if (in.size("xyz") != 3 * n || in.size("level") != n || in.size("outlet") != n)
     contradicts(in.path(), "its arrays have different lengths");
-  constexpr std::uint64_t kRun = std::uint64_t{3} * kRunTriangles;
-  std::vector<std::uint32_t> triangle;
-  constexpr std::size_t kRunGap = 5;  // a chunk of the store has so many runs
-  std::vector<std::size_t> wanted;
-  for (std::size_t run = 0; run < boxes.size(); ++run)
-    if (meets(boxes[run], grid, cells)) wanted.push_back(run);
-  for (std::size_t i = 0; i < wanted.size();) {
-    std::size_t last = i + 1;
-    while (last < wanted.size() && wanted[last] - wanted[last - 1] <= kRunGap) ++last;
-    const std::uint64_t begin = wanted[i] * kRun, end = std::min<std::uint64_t>((wanted[last - 1] + 1) * kRun, size);
-    const auto piece = in.read_range<std::uint32_t>("triangle", begin, end - begin);
-    for (; i < last; ++i) {
-      const auto from = piece.begin() + static_cast<std::ptrdiff_t>(wanted[i] * kRun - begin);
-      const auto until = piece.begin() + static_cast<std::ptrdiff_t>(std::min((wanted[i] + 1) * kRun, size) - begin);
-      triangle.insert(triangle.end(), from, until);
-    }
-  }
-  if (std::any_of(triangle.begin(), triangle.end(), [&](std::uint32_t v) { return v >= n; }))
-    contradicts(in.path(), "a triangle refers to a vertex that is not listed");
-  // A table of all vertices numbers those in use without sorting.
-  constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> number(n, kUnused), used;
-  for (const std::uint32_t v : triangle) number[v] = 0;
-  for (std::uint32_t v = 0; v < n; ++v) {
-    if (number[v] == kUnused) continue;
-    number[v] = static_cast<std::uint32_t>(used.size());
-    used.push_back(v);
-  }
+  const std::vector<std::uint32_t> triangle = read_triangle_runs(in, grid, cells);
+  const auto [used, number] = number_used(triangle, n);
   read_vertices(in, used, out);
   std::vector<std::uint8_t> is_inside(used.size());
   for (std::size_t i = 0; i < used.size(); ++i)

@@ -130,7 +130,8 @@ void remove_scratch(const RunContext& context) {
 std::optional<std::string> objection_to_run(const TriangulationOptions& options) {
   const Objectives& objectives = options.objectives;
   for (const Objective objective : objectives) {
-    const std::string quoted = "'" + std::string(name(objective)) + "'";
+    std::string quoted("'");
+    quoted.append(name(objective)).append("'");
     switch (kind_of(objective)) {
       case ObjectiveKind::degree:
       case ObjectiveKind::quadrilateral_sum:
@@ -143,7 +144,7 @@ std::optional<std::string> objection_to_run(const TriangulationOptions& options)
       return quoted + " needs reference points; give their files as triangulation.reference";
   }
   if (const auto objection = objection_to(objectives))
-    return "'" + name(objectives) + "' is not possible: " + *objection;
+    return std::string("'").append(name(objectives)).append("' is not possible: ").append(*objection);
   return std::nullopt;
 }
 

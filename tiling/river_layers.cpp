@@ -27,7 +27,7 @@ Values values_of(VertexNumbers numbers, Values shown, const Values& always) {
 
 std::string listed(std::span<const std::uint32_t> vertices) {
   std::string out;
-  for (const std::uint32_t v : vertices) out += (out.empty() ? "" : " ") + std::to_string(v);
+  for (const std::uint32_t v : vertices) out.append(out.empty() ? "" : " ").append(std::to_string(v));
   return out;
 }
 

@@ -16,7 +16,8 @@ std::string name(const Objectives& objectives) {
 std::optional<std::string> objection_to(const Objectives& objectives) {
   if (objectives.empty()) return "no objective is given";
   for (std::size_t i = 0; i < objectives.size(); ++i) {
-    const std::string quoted = "'" + std::string(name(objectives[i])) + "'";
+    std::string quoted("'");
+    quoted.append(name(objectives[i])).append("'");
     if (std::find(objectives.begin(), objectives.begin() + static_cast<std::ptrdiff_t>(i), objectives[i]) !=
         objectives.begin() + static_cast<std::ptrdiff_t>(i))
       return quoted + " is given twice";

@@ -19,7 +19,7 @@ bool on_open_segment(LatticePoint a, LatticePoint b, LatticePoint p) {
 }
 
 std::string edge_text(const std::array<std::uint32_t, 2>& e) {
-  return "(" + std::to_string(e[0]) + ", " + std::to_string(e[1]) + ")";
+  return std::string("(").append(std::to_string(e[0])).append(", ").append(std::to_string(e[1])).append(")");
 }
 
 // Undirected edges of boundary and inside.

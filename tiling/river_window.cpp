@@ -35,15 +35,16 @@ struct Share {
 };
 
 void read_vertices(const store::Reader& in, std::span<const std::uint32_t> number, Share& out) {
-  for_stretches(number, kVertexGap, [&](std::uint64_t begin, std::uint64_t count, std::span<const std::uint32_t> some) {
-    const auto point = in.read_range<std::uint64_t>("point", begin, count);
-    const auto xyz = in.read_range<std::int32_t>("xyz", 3 * begin, 3 * count);
-    const auto outlet = in.read_range<std::uint8_t>("outlet", begin, count);
-    for (const std::uint32_t v : some) {
-      const std::size_t i = v - begin;
-      out.vertex.push_back({{xyz[3 * i], xyz[3 * i + 1]}, point[i], xyz[3 * i + 2], outlet[i]});
-    }
-  });
+  store::for_stretches(number, kVertexGap,
+                       [&](std::uint64_t begin, std::uint64_t count, std::span<const std::uint32_t> some) {
+                         const auto point = in.read_range<std::uint64_t>("point", begin, count);
+                         const auto xyz = in.read_range<std::int32_t>("xyz", 3 * begin, 3 * count);
+                         const auto outlet = in.read_range<std::uint8_t>("outlet", begin, count);
+                         for (const std::uint32_t v : some) {
+                           const std::size_t i = v - begin;
+                           out.vertex.push_back({{xyz[3 * i], xyz[3 * i + 1]}, point[i], xyz[3 * i + 2], outlet[i]});
+                         }
+                       });
 }
 
 Share read_share(const store::Reader& in, const CellGrid& grid, std::span<const Cell> cells) {

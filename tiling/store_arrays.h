@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,19 @@ std::vector<std::vector<T>> read_lists(const Reader& in, const std::string& name
     out.emplace_back(flat.begin() + static_cast<std::ptrdiff_t>(begin[i]),
                      flat.begin() + static_cast<std::ptrdiff_t>(begin[i + 1]));
   return out;
+}
+
+/// Calls read(begin, count, numbers) for stretches of ascending numbers without gaps wider than `gap`: numbers lie in
+/// begin .. begin + count - 1.
+template <class Read>
+void for_stretches(std::span<const std::uint32_t> number, std::uint32_t gap, Read read) {
+  for (std::size_t first = 0; first < number.size();) {
+    std::size_t last = first + 1;
+    while (last < number.size() && number[last] - number[last - 1] <= gap) ++last;
+    read(std::uint64_t{number[first]}, std::uint64_t{number[last - 1]} + 1 - number[first],
+         number.subspan(first, last - first));
+    first = last;
+  }
 }
 
 }  // namespace hydrotin::store

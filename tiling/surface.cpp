@@ -19,20 +19,21 @@ namespace {
 using store::contradicts;
 
 void read_vertices(const store::Reader& in, std::span<const std::uint32_t> number, Surface& out) {
-  for_stretches(number, kVertexGap, [&](std::uint64_t begin, std::uint64_t count, std::span<const std::uint32_t> some) {
-    const auto point = in.read_range<std::uint64_t>("point", begin, count);
-    const auto xyz = in.read_range<std::int32_t>("xyz", 3 * begin, 3 * count);
-    const auto level = in.read_range<std::int32_t>("level", begin, count);
-    const auto outlet = in.read_range<std::uint8_t>("outlet", begin, count);
-    for (const std::uint32_t v : some) {
-      const std::size_t i = v - begin;
-      out.point.push_back(point[i]);
-      out.position.push_back({xyz[3 * i], xyz[3 * i + 1]});
-      out.height.push_back(xyz[3 * i + 2]);
-      out.level.push_back(level[i]);
-      out.is_outlet.push_back(outlet[i]);
-    }
-  });
+  store::for_stretches(number, kVertexGap,
+                       [&](std::uint64_t begin, std::uint64_t count, std::span<const std::uint32_t> some) {
+                         const auto point = in.read_range<std::uint64_t>("point", begin, count);
+                         const auto xyz = in.read_range<std::int32_t>("xyz", 3 * begin, 3 * count);
+                         const auto level = in.read_range<std::int32_t>("level", begin, count);
+                         const auto outlet = in.read_range<std::uint8_t>("outlet", begin, count);
+                         for (const std::uint32_t v : some) {
+                           const std::size_t i = v - begin;
+                           out.point.push_back(point[i]);
+                           out.position.push_back({xyz[3 * i], xyz[3 * i + 1]});
+                           out.height.push_back(xyz[3 * i + 2]);
+                           out.level.push_back(level[i]);
+                           out.is_outlet.push_back(outlet[i]);
+                         }
+                       });
 }
 
 // The triangles of one file with a corner in the cells, over their own vertices.

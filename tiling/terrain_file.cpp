@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "store_arrays.h"
+
 namespace hydrotin {
 namespace {
 
@@ -34,23 +36,20 @@ std::vector<std::uint32_t> read_runs(const store::Reader& in, const LatticeBox& 
 // Positions and heights of ascending own points, in stretches without wide gaps.
 void read_own(const store::Reader& in, std::span<const std::uint32_t> index, bool with_measured, TrianglePatch& patch) {
   constexpr std::uint32_t kGap = 4096;
-  for (std::size_t first = 0; first < index.size();) {
-    std::size_t last = first + 1;
-    while (last < index.size() && index[last] - index[last - 1] <= kGap) ++last;
-    const std::uint64_t begin = index[first], count = std::uint64_t{index[last - 1]} + 1 - begin;
+  const auto read = [&](std::uint64_t begin, std::uint64_t count, std::span<const std::uint32_t> some) {
     const auto x = in.read_range<std::int32_t>("x", begin, count);
     const auto y = in.read_range<std::int32_t>("y", begin, count);
-    const auto z = in.read_range<std::int32_t>("z", begin, count);
     const auto height = in.read_range<std::int32_t>("height", begin, count);
     const auto measured = with_measured ? in.read_range<std::int32_t>("z", begin, count) : std::vector<std::int32_t>();
-    for (; first < last; ++first) {
-      const std::size_t i = index[first] - begin;
+    for (const std::uint32_t v : some) {
+      const std::size_t i = v - begin;
       if (height[i] == kUnusedHeight) damaged(in, "a triangle uses a point without a height");
       patch.position.push_back({x[i], y[i]});
       patch.height.push_back(height[i]);
       if (with_measured) patch.measured.push_back(measured[i]);
     }
-  }
+  };
+  store::for_stretches(index, kGap, read);
 }
 
 void read_foreign(const store::Reader& in, std::span<const std::uint32_t> number, bool with_measured,

@@ -21,13 +21,14 @@ std::vector<std::uint32_t> read_triangle_runs(const store::Reader& in, const Cel
   constexpr std::uint64_t kRun = std::uint64_t{3} * kRunTriangles;
   constexpr std::uint32_t kRunGap = 5;  // a chunk of the store has so many runs
   std::vector<std::uint32_t> triangle;
-  for_stretches(wanted, kRunGap, [&](std::uint64_t begin, std::uint64_t count, std::span<const std::uint32_t> runs) {
-    const std::uint64_t first = begin * kRun, end = std::min((begin + count) * kRun, size);
-    const auto piece = in.read_range<std::uint32_t>("triangle", first, end - first);
-    for (const std::uint64_t run : runs)
-      triangle.insert(triangle.end(), piece.begin() + static_cast<std::ptrdiff_t>(run * kRun - first),
-                      piece.begin() + static_cast<std::ptrdiff_t>(std::min((run + 1) * kRun, size) - first));
-  });
+  store::for_stretches(
+      wanted, kRunGap, [&](std::uint64_t begin, std::uint64_t count, std::span<const std::uint32_t> runs) {
+        const std::uint64_t first = begin * kRun, end = std::min((begin + count) * kRun, size);
+        const auto piece = in.read_range<std::uint32_t>("triangle", first, end - first);
+        for (const std::uint64_t run : runs)
+          triangle.insert(triangle.end(), piece.begin() + static_cast<std::ptrdiff_t>(run * kRun - first),
+                          piece.begin() + static_cast<std::ptrdiff_t>(std::min((run + 1) * kRun, size) - first));
+      });
   if (std::any_of(triangle.begin(), triangle.end(), [&](std::uint32_t v) { return v >= num_vertices; }))
     store::contradicts(in.path(), "a triangle refers to a vertex that is not listed");
   return triangle;

@@ -16,19 +16,6 @@
 
 namespace hydrotin {
 
-/// Calls read(begin, count, numbers) for stretches of ascending numbers without gaps wider than `gap`: numbers lie in
-/// begin .. begin + count - 1.
-template <class Read>
-void for_stretches(std::span<const std::uint32_t> number, std::uint32_t gap, Read read) {
-  for (std::size_t first = 0; first < number.size();) {
-    std::size_t last = first + 1;
-    while (last < number.size() && number[last] - number[last - 1] <= gap) ++last;
-    read(std::uint64_t{number[first]}, std::uint64_t{number[last - 1]} + 1 - number[first],
-         number.subspan(first, last - first));
-    first = last;
-  }
-}
-
 inline constexpr std::uint32_t kVertexGap = 16384;  ///< for vertices: a chunk of the store is read whole anyway
 
 /// The triangles of runs that meet the cells, over the vertices of the file, in the order of the file.

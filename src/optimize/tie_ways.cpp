@@ -10,7 +10,7 @@ namespace hydrotin {
 bool TieWays::build(const PolygonProblem& problem, const PolygonGraph& graph, const ComponentTies& ties,
                     std::uint64_t most_ways, std::uint64_t most_visits) {
   graph_ = &graph;
-  component_.assign(ties.component.begin(), ties.component.end());
+  component_ = ties.component;
   if (!list_chains(graph, ties, std::min<std::uint64_t>(most_ways, kMostWays))) return false;
   if (!make_cuts(most_visits) || !make_cells(most_visits)) return false;
   mark_cuts(ties);
@@ -76,10 +76,9 @@ bool TieWays::make_cuts(std::uint64_t most_visits) {
 
 bool TieWays::make_cells(std::uint64_t most_visits) {
   num_edges_ = graph_->num_edges();
-  std::uint64_t num_cells = 0;
+  std::uint64_t num_cells = num_edges_;
   first_cell_.resize(num_edges_);
   place_.clear();
-  num_cells += num_edges_;
   if (num_cells > most_visits) return false;
   for (std::uint32_t e = 0; e < num_edges_; ++e) {
     const std::uint32_t a = graph_->edge(e).origin, b = graph_->edge(e).target;

@@ -135,6 +135,7 @@ TEST(PitRemovalWithin, LimitedSearchesKeepThePromises) {
         EXPECT_LE(of_lakes, kBoundShares * p.cost);
         EXPECT_TRUE(oracle::has_no_pit(a.around, p.height, a.is_outlet));
         EXPECT_LE(p.bound, p.cost);
+        EXPECT_EQ(p.bound, q.bound);
         num_unfinished += p.components.num_unfinished;
         if (method == RemovalMethod::lift) lift_cost = p.cost;
         if (method == RemovalMethod::breach) breach_cost = p.cost;
@@ -216,6 +217,7 @@ TEST(PitRemovalWithin, CutComponentsKeepThePromises) {
         EXPECT_TRUE(oracle::has_no_pit(a.around, p.height, a.is_outlet));
         EXPECT_EQ(p.cost, cost_of(a, p.height, ChangeMeasure::total));
         EXPECT_LE(p.bound, p.cost);
+        EXPECT_EQ(p.bound, q.bound);
         if (method == RemovalMethod::least_change) {
           EXPECT_LE(p.cost, cost_of(a, p.components.level, ChangeMeasure::total));
         }

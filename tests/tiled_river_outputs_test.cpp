@@ -173,13 +173,20 @@ TEST(TiledRivers, CheckFindsWhatIsWrong) {
             std::string::npos);
 }
 
+PipelineOptions options_for_dem(const std::string& dem, const std::string& lines, std::uint64_t target,
+                                const std::string& out) {
+  PipelineOptions options = testing::options_for({}, out);
+  options.input.dem = {testing::shared_path(dem)};
+  options.rivers.lines = testing::shared_path(lines);
+  options.tiles.target_points = target;
+  return options;
+}
+
 TEST(TiledRivers, LinesDrawnUpstreamOnARealDem) {
   HYDROTIN_REQUIRE_SHARED_DATA();
   const TemporaryFolder folder;
-  PipelineOptions options = testing::options_for({}, folder / "out");
-  options.input.dem = {testing::shared_path("dem_rivers_logan/output[0-3].tif")};
-  options.rivers.lines = testing::shared_path("dem_rivers_logan/logannet.shp");
-  options.tiles.target_points = 20'000;
+  const PipelineOptions options =
+      options_for_dem("dem_rivers_logan/output[0-3].tif", "dem_rivers_logan/logannet.shp", 20'000, folder / "out");
   const DatasetSummary got = run(options);
   EXPECT_TRUE(got.ok);
   EXPECT_EQ(got.pits, 0U);
@@ -195,10 +202,8 @@ TEST(TiledRivers, LinesDrawnUpstreamOnARealDem) {
 TEST(TiledRivers, MemoryIsAskedForBeforeTheLongWork) {
   HYDROTIN_REQUIRE_SHARED_DATA();
   const TemporaryFolder folder;
-  PipelineOptions options = testing::options_for({}, folder / "out");
-  options.input.dem = {testing::shared_path("dem_rivers_nc/elev_ned_30m.tif")};
-  options.rivers.lines = testing::shared_path("dem_rivers_nc/streams.shp");
-  options.tiles.target_points = 30'000;
+  PipelineOptions options =
+      options_for_dem("dem_rivers_nc/elev_ned_30m.tif", "dem_rivers_nc/streams.shp", 30'000, folder / "out");
   options.run.memory_bytes = std::uint64_t{64} << 20;
   // 24,005 river edges on 371,000 triangles in the end.
   const PlanSummary plan = plan_run(options);

@@ -48,23 +48,13 @@ class PolygonGraph {
   [[nodiscard]] static std::uint32_t triangle_of(std::uint32_t o) { return o / 3; }
   [[nodiscard]] const Option& option(std::uint32_t o) const { return options_[o]; }
   /// Has an option, or kNoEdge, brought near without waiting for it: those of an edge stand far from each other.
-  void fetch_option(std::uint32_t o) const {
-#ifdef __GNUC__
-    __builtin_prefetch(options_.data() + (o == kNoEdge ? 0 : o));
-#endif
-  }
+  void fetch_option(std::uint32_t o) const { __builtin_prefetch(options_.data() + (o == kNoEdge ? 0 : o)); }
   /// The smallest side of the polygon by (origin, target) in (x, y), with the polygon on its left only.
-  [[nodiscard]] std::uint32_t root() const {
-    return root_;
-  }
+  [[nodiscard]] std::uint32_t root() const { return root_; }
   [[nodiscard]] std::uint32_t find(std::uint32_t origin, std::uint32_t target) const;
-  [[nodiscard]] static std::uint32_t twin(std::uint32_t e) {
-    return e ^ 1U;
-  }
+  [[nodiscard]] static std::uint32_t twin(std::uint32_t e) { return e ^ 1U; }
   /// Whether the polygon is on both sides.
-  [[nodiscard]] bool is_inner(std::uint32_t e) const {
-    return !edges_[e].is_boundary && !edges_[twin(e)].is_boundary;
-  }
+  [[nodiscard]] bool is_inner(std::uint32_t e) const { return !edges_[e].is_boundary && !edges_[twin(e)].is_boundary; }
   /// The directed edge from corner i of triangle t to the next, with the triangle on its left.
   [[nodiscard]] std::uint32_t side(std::uint32_t t, std::size_t i) const {
     return twin(options_[3 * std::size_t{t} + (i + 1) % 3].left_child);
@@ -76,15 +66,9 @@ class PolygonGraph {
     return static_cast<std::uint32_t>(problem_->delaunay.size() + problem_->others.size());
   }
   /// Sides of triangle t that are not Delaunay edges.
-  [[nodiscard]] std::uint32_t foreign_sides(std::uint32_t t) const {
-    return foreign_[t];
-  }
-  [[nodiscard]] std::span<const std::uint8_t> foreign_sides() const {
-    return foreign_;
-  }
-  [[nodiscard]] const PolygonProblem& problem() const {
-    return *problem_;
-  }
+  [[nodiscard]] std::uint32_t foreign_sides(std::uint32_t t) const { return foreign_[t]; }
+  [[nodiscard]] std::span<const std::uint8_t> foreign_sides() const { return foreign_; }
+  [[nodiscard]] const PolygonProblem& problem() const { return *problem_; }
 
  private:
   [[nodiscard]] std::size_t slot_of(std::uint32_t low, std::uint32_t high) const;
